@@ -1,8 +1,8 @@
-"""Kinds of controllers. Each kind is described by one value `BACKEND` in `backend.py` of its package
-`backend_*`.
+"""The interface to the kinds of robot controllers. Each kind is described by one value `BACKEND` in
+`backend.py` of its package `backend_*`.
 
-Rooms that are neutral use this value without knowing the kind. `kind` is enough to read a robot; everything
-else is imported when it is needed.
+Packages that don't depend on a controller use this value without knowing the kind. `kind` is enough to read a
+robot's description; everything else is imported when it is needed.
 """
 
 from __future__ import annotations
@@ -37,16 +37,16 @@ if TYPE_CHECKING:
 
 @frozen(eq=False)
 class Written:
-    """A program's text without its header, and the values in the header that describe it.
+    """A controller text without its header, and the values in the header that describe it.
 
     Attributes:
-        target: target of the text.
+        target: target of the text, such as a streamed buffer.
         loading: instructions for a person who loads the text by hand.
         start: start position: each axis's name and a decimal number in its axis unit, joined as in `A0.5B-3`.
         segments: segment times in the text as printed [ms], up to four digits and twelve decimals: none, one,
             or the smallest and the largest.
-        time: prints a segment time [ms].
-        text: returns the whole text with the lines of a header.
+        time: function that prints a segment time [ms].
+        text: function that takes the lines of a header and returns the whole text.
     """
 
     target: str
@@ -59,13 +59,13 @@ class Written:
 
 @frozen(eq=False)
 class Sendable:
-    """The lines of a text that are streamed.
+    """The lines of a controller text that are streamed to the controller.
 
     Attributes:
         lines: each line with its number in the text.
-        guarded: lines after which the controller holds by itself if this computer falls silent.
+        guarded: lines after which the controller stops the robot by itself if this computer falls silent.
         capacity: number of lines that are sure to fit into the controller's buffer.
-        own: further data for the scripts of this kind.
+        own: further data for the communication with this kind of controller.
     """
 
     lines: tuple[tuple[int, str], ...]
@@ -76,12 +76,12 @@ class Sendable:
 
 @frozen(eq=False)
 class Settings:
-    """The settings of a controller for a robot.
+    """The settings of a controller for a robot, such as motor limits. All attributes are functions.
 
     Attributes:
         text: writes the settings.
-        judge: proves settings, including edited ones. Returns the proved facts as sentences; None with
-            errors.
+        judge: proves a text with settings, also one that was edited. Returns the proved facts as sentences;
+            None with errors.
         differences: returns the differences of a proved text from the text that `text` writes.
         items: returns the values that are read from the controller before anything moves.
         lines: returns the lines of the text that are sent.
@@ -106,7 +106,7 @@ NO_SETTINGS = Settings(
 
 @frozen(eq=False)
 class LiveWriting:
-    """The writing of live motions.
+    """The functions that write live motions (motions whose target changes while they run).
 
     Attributes:
         decimals: returns the number of decimals of a robot's positions, for a segment time [s].
@@ -128,8 +128,8 @@ class Simulated:
     """A controller that is simulated in this process.
 
     Attributes:
-        port: its port on this computer.
-        leash: its clock, if it waits for its client; otherwise None.
+        port: network port of the controller on this computer.
+        leash: clock of the controller, if it waits for its client; otherwise None.
     """
 
     port: int
@@ -153,10 +153,12 @@ class Server(Protocol):
         """Close all connections."""
 
     def tell(self, text: str) -> None:
-        """Report a text, with the controller's time."""
+        """Report a text to the function `tell`, with the controller's time."""
 
     def differences(self) -> tuple[str, ...]:
-        """Return descriptions of features that programs have used and that are simulated differently."""
+        """Return descriptions of controller features that programs have used, and that the simulation treats
+        differently from a real controller.
+        """
 
 
 class ServerMaker(Protocol):
@@ -178,25 +180,26 @@ class ServerMaker(Protocol):
         """Return a simulated controller.
 
         Args:
-            robot: robot for which it is set up; None for none.
-            cell: cell with further machines; None for none.
+            robot: robot for which the controller is set up; None for none.
+            cell: cell whose other machines are simulated too; None for none.
             host: host to listen on.
             port: port to listen on.
-            rate: factor of its time relative to real time; None for as fast as possible.
+            rate: factor of simulated time relative to real time; None for as fast as possible.
             faults: faults to simulate.
-            seed: seed of its random numbers.
-            tell: called with its time [s] and a report.
+            seed: seed of the random numbers.
+            tell: called with the simulated time [s] and a report.
         """
 
 
 @frozen(eq=False)
 class Bench:
-    """The simulator of `yarc sim`.
+    """The simulator that `yarc sim` starts.
 
     Attributes:
-        title: name of a controller without a robot.
-        fault: converts a text to a fault. Raises ValueError with the reason if the text is wrong.
-        server: creates a simulated controller.
+        title: name of a simulated controller without a robot.
+        fault: function that converts a text to a fault. Raises ValueError with the reason if the text is
+            wrong.
+        server: function that creates a simulated controller.
     """
 
     title: str
@@ -206,24 +209,25 @@ class Bench:
 
 @frozen(eq=False)
 class Backend:
-    """A kind of controller.
+    """A kind of controller. Most attributes are functions.
 
     Attributes:
-        kind: its properties in a robot.toml.
-        suffix: suffix of files with its texts.
-        targets: targets of texts; the first one is for streaming.
+        kind: keys and properties of this kind in a robot.toml.
+        suffix: suffix of files with controller texts.
+        targets: targets of controller texts; the first one is for streaming.
         port: default port on the network.
         grid: returns the segment times for a robot, up to a longest one [ms] if it is given; None, with a
             finding, if that is impossible.
         write: writes a plan for a target within a tolerance; None, with findings, if the controller can't run
             it.
-        reader: returns the judge's reader of its texts.
+        reader: returns the judge's reader of controller texts (the judge proves a text independently of the
+            planner).
         sendable: returns the lines of a judged text that are streamed; a finding if there are none.
-        scripts: returns the scripts of its communication.
+        scripts: returns the scripts of the communication with the controller.
         simulated: returns a simulator with a robot at a position (n,) [rad or m], a time factor, and the
             machines of a cell.
-        settings: returns its settings for a robot.
-        live: returns the writing of live motions; None if there are none.
+        settings: returns the controller's settings for a robot.
+        live: returns the functions that write live motions; None if there are none.
         bench: returns the simulator of `yarc sim`; None if there is none.
         proof: returns the proof of a certified text for the independent checker; a finding if there is none.
             Its arguments are the text, the judge's reading of it, the program, the robot, the tolerance and
@@ -252,7 +256,7 @@ class Backend:
 
 
 def backend_of(robot: Robot) -> Backend:
-    """Return the backend of a robot's controller."""
+    """Return the `Backend` of a robot's kind of controller."""
     return backend_called(robot.controller.kind)
 
 
@@ -267,11 +271,11 @@ def backend_called(kind: str) -> Backend:
 
 
 def backend_for(target: str) -> Backend | None:
-    """Return the backend whose texts are for a target; None if there is none."""
+    """Return the `Backend` whose controller texts are for a target; None if there is none."""
     backends = map(backend_called, kind_names())
     return next((one for one in backends if target in one.targets), None)
 
 
 def suffixes() -> tuple[str, ...]:
-    """Return the suffixes of files with texts, for all kinds."""
+    """Return the suffixes of files with controller texts, for all kinds of controllers."""
     return tuple(backend_called(name).suffix for name in kind_names())

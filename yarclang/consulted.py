@@ -1,4 +1,5 @@
-"""The files that some work reads: those of the disk, or those of a bundle that was sent with the work.
+"""Record and replay which files some work (such as a check) reads: those of the disk, or those of a bundle
+that was sent with the work.
 
 Everything that a check reads, searches or lists is requested through this module or `files.read_whole`. So
 the files on which a result depends can be recorded (`recorded`), and the result can be reused as long as they
@@ -25,7 +26,7 @@ _OURS = tuple(f"{folder}{os.sep}" for folder in (_PACKAGE, _PACKAGE.parent / "st
 
 
 class Question(NamedTuple):
-    """A question about a path.
+    """A question to the file system about a path, such as the content of a file or whether it exists.
 
     Attributes:
         kind: one of the kinds below.
@@ -73,10 +74,10 @@ _RECORD: ContextVar[Answers | None] = ContextVar("record", default=None)
 
 
 class Bundle(NamedTuple):
-    """Files that were sent with the work.
+    """Files that were sent with the work that reads them.
 
     Attributes:
-        answers: answers to the questions that are expected.
+        answers: answers to the file system questions that are expected.
         contents: contents of files, by their digests.
     """
 
@@ -85,8 +86,8 @@ class Bundle(NamedTuple):
 
 
 class NotBundledError(BaseException):
-    """A question that the bundle doesn't answer. It isn't an `Exception`, so that no stage treats it as a
-    bug.
+    """A question about a file that the bundle doesn't answer. It isn't an `Exception`, so that no stage of
+    the compiler treats it as a bug.
 
     Attributes:
         question: the question.
@@ -99,7 +100,7 @@ class NotBundledError(BaseException):
 
 @contextmanager
 def bundled(bundle: Bundle) -> Iterator[None]:
-    """Let the work in this block see only the files of a bundle.
+    """Restrict the work inside this `with` block to the files of a bundle.
 
     Raises:
         NotBundledError: the work needs a file that isn't in the bundle.
@@ -133,7 +134,8 @@ def nearest_folder(folder: Path, name: str) -> Path | None:
 
 
 def modules_in(folder: Path, name: str = "*") -> list[Path]:
-    """Return the files of a folder that may be a module, in order; empty if the folder can't be read.
+    """Return the files of a folder that may be a module of a program, in order; empty if the folder can't be
+    read.
 
     Args:
         folder: the folder.
@@ -171,7 +173,9 @@ def content_of(path: Path, read: Callable[[], bytes]) -> bytes:
 
 @contextmanager
 def on_disk(path: Path, content: bytes) -> Iterator[Path]:
-    """Yield a file on the disk that has the content of `path`, for libraries that read files themselves."""
+    """Yield the path of a file on the disk with the content of `path`, for libraries that open files
+    themselves.
+    """
     if _BUNDLE.get() is None or _is_ours(path):
         yield path
         return

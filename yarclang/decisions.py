@@ -1,8 +1,9 @@
-"""Values that a running program computes at rest from registers, inputs and constants.
+"""Values and conditions that a running program computes at rest from registers (integer variables), inputs
+and constants.
 
-A value is a number; a condition is a value that is 0 or 1. Each value has one canonical text, which the map
-of a controller text contains. In this text, every nested operation is in brackets, registers have a `$`, and
-inputs are named by their variables, as in `($N<3)&(M11=1)`.
+A value is a number; a condition is a value that is 0 or 1. Each value has one canonical text, which the
+comments of a controller text contain (the map). In this canonical text, every nested operation is in
+brackets, registers have a `$`, and inputs are named by their variables, as in `($N<3)&(M11=1)`.
 """
 
 from __future__ import annotations
@@ -63,7 +64,7 @@ class Constant:
 
 @frozen
 class InputValue:
-    """The value that an input reads.
+    """An input as an operand of an expression.
 
     Attributes:
         variable: the controller's variable. For a group, the variables of all its bits, lowest bit first:
@@ -125,11 +126,12 @@ class Register:
 
 @frozen
 class Watch:
-    """An input that is monitored while the robot moves, and holds the motion on its path.
+    """An input that is monitored while the robot moves. If it gets a certain value, the robot stops on its
+    path.
 
     Attributes:
         variable: the controller's variable.
-        value: the input's value at which the motion is held.
+        value: the input's value at which the robot stops.
         name: the input's name in the program.
         then: name of the SUB with the motions by which the robot withdraws; empty: the motion continues.
         way: hash of this SUB's steps, 16 hex digits.
@@ -143,13 +145,13 @@ class Watch:
 
     @property
     def reaction(self) -> str:
-        """The robot's reaction, in words."""
+        """The robot's reaction to the input, in words."""
         return f"hold, then leave by {self.then}" if self.then else "hold"
 
 
 def only_holding(watches: Iterable[Watch]) -> tuple[Watch, ...]:
-    """Return watched inputs that only hold the motion, without a SUB by which the robot withdraws. Programs
-    beside the main program use these.
+    """Return the watched inputs without the SUBs by which the robot withdraws, so that they only stop the
+    robot on its path. Programs beside the main program use these.
     """
     return tuple(Watch(one.variable, one.value, one.name) for one in watches)
 
@@ -186,11 +188,11 @@ SHIFTS = ("X", "Y", "Z", "RZ")
 
 
 def shift_in_words(values: Sequence[int], registers: Sequence[str]) -> str:
-    """Return a shift in words: `X 12.50 mm, RZ -3.00 deg`.
+    """Return the shift of a frame in words: `X 12.50 mm, RZ -3.00 deg`.
 
     Args:
         values: value of the register for each of `SHIFTS` [0.01 mm or 0.01 deg].
-        registers: their names; empty for a direction without a register.
+        registers: names of these registers; empty for a direction without a register.
     """
     return ", ".join(
         f"{axis} {value / 100:.2f} {'deg' if axis == 'RZ' else 'mm'}"
@@ -201,7 +203,7 @@ def shift_in_words(values: Sequence[int], registers: Sequence[str]) -> str:
 
 @frozen
 class Shifted:
-    """Motions that are planned and proved at run time, in a frame that registers shift.
+    """An OFFSET: motions that are planned and proved at run time, in a frame that registers shift.
 
     Attributes:
         step: index of the OFFSET in the program's steps.
@@ -218,7 +220,7 @@ class Shifted:
 
 @frozen
 class KeptTo:
-    """A rule that applies to a motion on its whole path (KEEP).
+    """A path constraint (KEEP rule) that a motion must satisfy along its whole path.
 
     Attributes:
         step: index of the motion in the program's steps.
@@ -231,7 +233,7 @@ class KeptTo:
 
 @frozen
 class Permitted:
-    """Two bodies that may touch during a motion.
+    """Two bodies that are allowed to touch during a motion.
 
     Attributes:
         step: index of the motion in the program's steps.
@@ -257,12 +259,12 @@ def is_condition(value: Value) -> bool:
 
 
 def evaluated(value: Value, registers: Mapping[str, int], inputs: Mapping[str, float]) -> float:
-    """Compute a value.
+    """Compute the value of an expression from registers and inputs.
 
     Args:
-        value: the expression to compute.
+        value: the expression.
         registers: register values by name.
-        inputs: input readings by variable.
+        inputs: input values by variable.
 
     Raises:
         DecisionError: a divisor is zero, or a result is larger than `LARGEST`.
@@ -411,9 +413,8 @@ def _inside(value: Value, around: str = "") -> str:
 
 
 def simple(condition: Value) -> tuple[InputValue, float] | None:
-    """Return the input and the number of a condition `input = number`.
-
-    None for any other condition, and for a group of inputs.
+    """Return the input and the number of a condition of the form `input = number`; None for any other
+    condition, and for a group of inputs.
     """
     match condition:
         case Between(operator="=", left=InputValue() as one, right=Constant(number=number)):
@@ -422,7 +423,8 @@ def simple(condition: Value) -> tuple[InputValue, float] | None:
 
 
 def called(condition: Value) -> str:
-    """Return the name of a condition in the map of a controller text.
+    """Return a short name for a condition in the map of a controller text (its list of commands and
+    decisions).
 
     This is the name of the input for a condition `input = number`, else the condition in words.
     """

@@ -1,4 +1,6 @@
-"""Findings: the results of every stage about the user's input. They are collected, never raised."""
+"""Findings: the errors, warnings and notes that a stage of the compiler reports about the user's input. They
+are collected, never raised.
+"""
 
 from __future__ import annotations
 
@@ -44,12 +46,13 @@ class Fix:
 
 @frozen
 class Within:
-    """Original place, in a module, of a finding that is shown at the line that called the module.
+    """The place in a module that causes a finding, if the finding is shown at the program line that called
+    the module.
 
     Attributes:
         source: the module.
         span: the place in the module.
-        through: further SUBs that are called between that line and the place, in order, such as
+        through: further SUBs that are called between the program line and the place, in order, such as
             `APPROACH.IN`.
         fix: change of the module's text; None for an installed module, which nobody edits.
     """
@@ -73,12 +76,12 @@ _TOO_LONG = re.compile(rf"\S{{{_LONGEST_QUOTE + 1},}}")
 
 @frozen
 class Diagnostic:
-    """One finding.
+    """An error, a warning or a note about the user's input.
 
     Attributes:
-        code: code in the catalogue.
+        code: code in the catalogue of findings.
         message: one sentence with its numbers, for people. Programs use `subject`.
-        source: the text; None if the finding has no place.
+        source: the text that the finding is about; None if the finding has no place.
         span: the place in the text; None if the finding has none.
         help: remedy, for people.
         fix: a change that removes the finding; None without one.
@@ -109,9 +112,9 @@ class Diagnostic:
 
     @property
     def shown_at(self) -> Span | None:
-        """Return the span to show, within the lines of the text.
+        """Return the range of the text to mark for the finding, within the lines of the text.
 
-        If something is missing at the end of a line, it is the line's last character.
+        If something is missing at the end of a line, the range is the line's last character.
         """
         span = self.span
         if span is None or self.source is None or len(self.source.lines) < span.end_line:
@@ -145,16 +148,16 @@ class Diagnostic:
 
     @property
     def is_error(self) -> bool:
-        """Return True if this finding prevents the output."""
+        """Return True if this finding is an error, which prevents the stage's result."""
         return self.severity == "error"
 
 
 @frozen
 class Result(Generic[T]):
-    """The result of a stage.
+    """The result of a stage of the compiler.
 
     Attributes:
-        value: the product; None if an error prevents one.
+        value: what the stage produces, such as a plan; None if an error prevents it.
         diagnostics: the findings.
     """
 
@@ -163,7 +166,7 @@ class Result(Generic[T]):
 
     @property
     def ok(self) -> bool:
-        """Return True if there is a product and no error."""
+        """Return True if there is a value and no error."""
         return self.value is not None and not has_errors(self.diagnostics)
 
 
@@ -193,13 +196,15 @@ _ROUNDS = re.compile(r"\([^()]*\)")
 
 
 def static_place(place: str) -> str:
-    """Return a place without the rounds of its loops, such as `P0020>P0010` for `P0020(I=2)>P0010`."""
+    """Return the place of a command without the numbers of its loop passes, such as `P0020>P0010` for
+    `P0020(I=2)>P0010`.
+    """
     return _ROUNDS.sub("", place)
 
 
 def grouped(diagnostics: Iterable[Diagnostic], *, at_least: bool = False) -> tuple[Diagnostic, ...]:
-    """Return one finding for all findings with the same code and span: the first one, with the number of the
-    others.
+    """Merge findings with the same code and span to one: the first one, with the number of the others in its
+    message.
 
     Args:
         diagnostics: the findings.
@@ -211,7 +216,7 @@ def grouped(diagnostics: Iterable[Diagnostic], *, at_least: bool = False) -> tup
 def gathered(
     diagnostics: Iterable[Diagnostic], key: Callable[[Diagnostic], Hashable]
 ) -> list[list[Diagnostic]]:
-    """Return findings in groups with equal keys. The groups are in the order of their first findings."""
+    """Group findings by equal keys. The groups are in the order of their first findings."""
     groups: dict[Hashable, list[Diagnostic]] = {}
     for one in each(diagnostics):
         groups.setdefault(key(one), []).append(one)
@@ -239,13 +244,13 @@ def _first(found: list[Diagnostic], at_least: bool) -> Diagnostic:
 
 
 class FindingError(ValueError):
-    """A finding that is raised where its place isn't known.
+    """A finding that is raised as an exception by code that doesn't know the finding's place.
 
     Args:
-        code: code in the catalogue.
-        message: its message.
-        help_: its remedy.
-        subject: its facts for programs.
+        code: code in the catalogue of findings.
+        message: message for people.
+        help_: remedy for people.
+        subject: facts for programs.
     """
 
     def __init__(self, code: str, message: str, help_: str = "", subject: Subject | None = None) -> None:
@@ -257,7 +262,7 @@ class FindingError(ValueError):
 
 
 class Collector:
-    """Collector of the findings about one source during a stage; `place` is the current place in unrolled
+    """Collector of a stage's findings about one source file; `place` is the current place in unrolled
     code.
     """
 

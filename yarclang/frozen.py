@@ -1,4 +1,4 @@
-"""Frozen values with slots, equivalent to `dataclass(frozen=True, slots=True)` but created in a tenth of the
+"""Immutable value classes, equivalent to `dataclass(frozen=True, slots=True)` but created in a tenth of the
 time.
 
 The compiler creates about 350 such classes at each start. `dataclass` compiles six methods for each class,
@@ -29,7 +29,7 @@ def frozen(*, eq: bool = True) -> Callable[[type[T]], type[T]]: ...
 
 
 def frozen(cls: type[T] | None = None, /, *, eq: bool = True) -> Any:
-    """Convert a class with annotations to a class of frozen values.
+    """Convert a class with annotations to an immutable value class.
 
     The class is a dataclass for `dataclasses.fields`, `replace`, `asdict` and pattern matching. Methods that
     the class defines itself are kept.

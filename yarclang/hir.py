@@ -1,4 +1,4 @@
-"""The checked program: a closed set of primitives in SI units. All names are resolved.
+"""The checked program: motions and other primitive steps in SI units. All names are resolved.
 
 Arrays are float64 and read-only. Joint positions q are (n,) in rad (m for a prismatic joint), poses
 are (4, 4) homogeneous transforms. `base_from_moving` maps coordinates of the moving frame to
@@ -25,12 +25,12 @@ Array = NDArray[np.float64]
 
 @frozen(eq=False)
 class FrameLink:
-    """A frame with its pose in the next frame towards {B} or {FLANGE}.
+    """A frame with its pose in its parent frame. The chain of parents ends at {B} or {FLANGE}.
 
     Attributes:
         name: the frame's name without braces.
         parent_from_frame: (4, 4) transform from the frame to its parent.
-        parent: the next frame; None for {B} and {FLANGE} themselves.
+        parent: the parent frame; None for {B} and {FLANGE} themselves.
         source: file that declares the frame; None for frames of the robot.
         span: position of the declaration in `source`; None for frames of the robot.
         told: the numbers of `parent_from_frame` as written, in SI units: x y z and roll pitch yaw (6,), or x
@@ -45,8 +45,8 @@ class FrameLink:
     told: Array | None = field(default=None, compare=False)
 
     def is_same(self, other: FrameLink) -> bool:
-        """Return True if both are the same frame. Objects may differ: a line that is read again has new
-        links.
+        """Return True if two objects describe the same frame. A line that is read again creates new
+        objects.
         """
         if self is other:
             return True
@@ -59,7 +59,7 @@ class FrameLink:
 
 @frozen(eq=False)
 class Told:
-    """A pose as it was written, for readers that compute the transforms themselves.
+    """A pose with the numbers that the program gives, for checkers that compute the transforms themselves.
 
     Attributes:
         numbers: in SI units: x y z and roll pitch yaw (6,), or x y z and qx qy qz qw (7,).
@@ -74,7 +74,7 @@ class Told:
 
 @frozen
 class Origin:
-    """The command that a primitive comes from.
+    """The command of the source that a step of the checked program comes from.
 
     Spans are positions in the source, for fixes that replace or insert text there.
 
@@ -140,14 +140,14 @@ class JointDelta:
 
 @frozen(eq=False)
 class PoseGoal:
-    """A goal pose of the moving frame.
+    """A goal of a motion, as a pose of the moving frame.
 
     Attributes:
         base_from_moving: (4, 4) goal of the moving frame in {B}.
         flange_from_moving: (4, 4) moving frame on {FLANGE}.
-        near: (n,) joint position. Of all inverse kinematics solutions, the nearest to it is chosen. None:
+        near: (n,) joint positions. Of all inverse kinematics solutions, the nearest to them is chosen. None:
             nearest to the robot's current position.
-        told: the pose as it was written; None for a computed pose.
+        told: the numbers as the program gives them; None for a computed pose.
         shifted: True if the pose moves with the frame of the OFFSET around the motion.
     """
 
@@ -187,7 +187,7 @@ class PoseDelta:
 
 @frozen
 class Reading:
-    """A number that is a distance or an angle, depending on the motion that uses it.
+    """A number of the program that is a distance or an angle, depending on the motion that uses it.
 
     For a speed, both values are per second.
 
@@ -204,15 +204,15 @@ class Reading:
 
 @frozen
 class Timing:
-    """Duration of a motion, or how to choose it.
+    """Duration of a motion, or how the planner chooses it.
 
     Attributes:
         duration: motion time [s]; None for the shortest time that the limits and `speed` allow.
         share: share of the limits of velocity, acceleration and jerk that the shortest motion may use
             (`[50%]`).
         ramp: share of the limits of acceleration and jerk that any motion may use (`ACC 30%`).
-        speed: cruise speed of the moving frame's origin (`[V 250]`), or its angular speed if the origin
-            doesn't move. `duration` is None then.
+        speed: cruise speed of the moving frame's origin (`[V 250]`), or angular speed of the frame if the
+            origin doesn't move. `duration` is None then.
         ceiling: speed [m/s] that the origin of the moving frame, or of the tool, never exceeds (`[V<=250]`),
             in a motion that is otherwise as fast as possible.
     """
@@ -259,13 +259,13 @@ class MotionHead:
 
     Attributes:
         origin: the command.
-        profile: the time profile.
+        profile: name of the time profile, such as LSPB.
         timing: the duration, or how to choose it.
         tolerance: largest distance of the moving frame from the path [m]; None for the robot's default.
         blend: distance or angle from the end at which the motion may leave the path, to continue with the
             next motion without a stop; None if the motion ends at rest.
         allowed: pairs of bodies that may touch during the motion.
-        keeps: rules that apply on the whole path of the motion (KEEP).
+        keeps: path constraints (KEEP rules) for the whole path of the motion.
     """
 
     __slots__ = ()
@@ -274,8 +274,8 @@ class MotionHead:
 
     @property
     def goals(self) -> tuple[Goal, ...]:
-        """Goals that the command names, with the end as the last one; empty for a timetable, whose rows
-        are one array.
+        """Goals that the command gives, with the end of the motion as the last one. Empty for a timetable,
+        whose rows are one array.
         """
         raise NotImplementedError
 
@@ -337,7 +337,7 @@ class JointMove(MotionHead):
 
 @frozen(eq=False)
 class AvoidMove(MotionHead):
-    """A motion in joint space to the goal that avoids all obstacles.
+    """A motion in joint space to the goal, on a path around all obstacles.
 
     The path is straight if the straight line is free. Otherwise it is a natural cubic spline (as in
     SplineMove) through way-points that the planner finds.
@@ -363,8 +363,8 @@ class LineMove(MotionHead):
     """A motion of the moving frame along a straight line. The frame rotates about one fixed axis by the
     smaller angle.
 
-    If it `avoids`, the planner replaces it by LineMoves that don't: one if the straight line is free,
-    otherwise several around what is in the way. The last of them has its goal.
+    If `avoids` is set, the planner replaces the motion by LineMoves without it: one if the straight line is
+    free, otherwise several around the obstacles. The last of them has the original goal.
     """
 
     leads_frame = True
@@ -573,10 +573,10 @@ class TimedMove(MotionHead):
 
 @frozen
 class Signal:
-    """An input or output.
+    """An input or output of the controller, as a program names it.
 
     Attributes:
-        name: its name in the program.
+        name: name in the program.
         variable: the controller's variable; for a group, the variables of its bits, lowest first.
     """
 
@@ -602,7 +602,7 @@ class Dwell:
 
 @frozen
 class SetOutput:
-    """An output that gets a value after the previous motion has ended.
+    """A SET: an output gets a value after the previous motion has ended.
 
     `tool` is set if the output is the lock of a tool changer: it is the tool that is on the flange afterwards
     according to TOOL; empty for none.
@@ -616,8 +616,8 @@ class SetOutput:
 
 @frozen
 class WaitInput:
-    """A wait at rest until an input has a value. After `timeout` [s] the wait becomes a fault (None:
-    never).
+    """A wait at rest until an input has a value. If that takes longer than `timeout` [s], the program ends
+    with a fault (None: no limit).
     """
 
     origin: Origin
@@ -628,7 +628,8 @@ class WaitInput:
 
 @frozen
 class WaitUntil:
-    """A wait at rest until a condition holds. After `timeout` [s] the wait becomes a fault (None: never).
+    """A wait at rest until a condition is true. If that takes longer than `timeout` [s], the program ends
+    with a fault (None: no limit).
 
     Each evaluation reads all inputs of the condition once.
     """
@@ -655,8 +656,8 @@ class Say:
     """A message to the operator, without a wait. `{N}` in the text is replaced by the value of the register
     N.
 
-    If `teaches` isn't empty, the text is a name. The robot's position (its joints, or the pose of {TCP} in
-    {B}) is shown, and stored under this name.
+    If `teaches` isn't empty, the message teaches a position: the robot's position (its joints, or the pose of
+    {TCP} in {B}) is shown, and stored under the name in the text.
     """
 
     origin: Origin
@@ -672,8 +673,8 @@ class Offset:
         name: name of the frame in the program.
         base_from_frame: (4, 4) the frame as it is declared, in {B}.
         registers: register with the value for each of `SHIFTS` [0.01 mm or 0.01 deg]; empty for none.
-        flag: register that becomes 1 if the branch can be carried out there.
-        parts: names of the cell's parts that are placed in the frame.
+        flag: register that becomes 1 if the branch can be carried out in the shifted frame.
+        parts: names of the cell's workpieces that are placed in the frame.
         link: the frame and its parents.
     """
 
@@ -687,15 +688,15 @@ class Offset:
 
 @frozen
 class When:
-    """The start of a branch: the steps up to the matching Else or EndWhen are carried out if a condition
-    holds.
+    """The start of a branch: the steps up to the matching Else or EndWhen are carried out if a condition is
+    true.
 
     Attributes:
         origin: the command.
         condition: the condition.
         again: True if the condition uses the input values that the enclosing WHEN has read. This When is then
             the first step in the second branch of that WHEN. A CASE thus reads its inputs only once.
-        within: time [s] for which the robot waits at rest until the condition holds; None: decide at once.
+        within: time [s] for which the robot waits at rest until the condition is true; None: decide at once.
         offset: the frame that is shifted in the first branch, which is planned and proved again before the
             decision; None for an ordinary branch.
     """
@@ -709,7 +710,7 @@ class When:
 
 @frozen
 class Else:
-    """The start of the second branch, which is carried out if the condition of the When doesn't hold."""
+    """The start of the second branch, which is carried out if the condition of the When is false."""
 
     origin: Origin
 
@@ -723,7 +724,7 @@ class EndWhen:
 
 @frozen
 class Finish:
-    """An end of the program at rest, in success or as a fault. No step follows in this branch.
+    """An end of the program at rest, in success or as a fault. No step follows in the same branch.
 
     Attributes:
         origin: the command.
@@ -750,7 +751,7 @@ class Loop:
 class NextPass:
     """The start of the next pass of the innermost loop, in the same state as the first pass.
 
-    No step follows in this branch.
+    No step follows in the same branch.
     """
 
     origin: Origin
@@ -760,7 +761,7 @@ class NextPass:
 class Exit:
     """An exit from the innermost loop: the program continues after its EndLoop.
 
-    No step follows in this branch.
+    No step follows in the same branch.
     """
 
     origin: Origin
@@ -784,7 +785,7 @@ class Assign:
 
 @frozen
 class Output:
-    """A declared output.
+    """An output that the program declares.
 
     Attributes:
         signal: the output.
@@ -832,13 +833,13 @@ Step = Motion | Action | Stop | Gap
 
 @frozen(eq=False)
 class WayOut:
-    """The steps by which the robot withdraws after a watched input has held a motion.
+    """The steps by which the robot withdraws after a watched input has stopped it during a motion.
 
-    They begin at rest, where that motion has begun. The program ends after them.
+    They begin at rest, at the start of that motion. The program ends after them.
 
     Attributes:
         name: the SUB with its commands; `Watch.then` of the inputs.
-        origin: the first ON that calls it.
+        origin: the first ON that calls the SUB.
         steps: motions, outputs and dwells.
     """
 
@@ -854,16 +855,16 @@ class Program:
     Attributes:
         source: the source file.
         start: (n,) joint positions at the start [rad or m], within the joint limits.
-        steps: the primitives in order. A Gap marks an error: the program is still planned, to find further
-            errors, but no controller text is written.
+        steps: the motions and other steps in order. A Gap marks an error: the program is still planned, to
+            find further errors, but no controller text is written.
         outputs: the declared outputs.
-        cell: the surroundings that a CELL line names; None without one.
+        cell: the cell that a CELL line names; None without one.
         is_cut: True if loops and calls were only partly expanded, because of errors or because only a quick
             look was wanted. `steps` then contains a Gap.
-        cells: for a part of another program: the cell during each motion, by the index of its step.
+        cells: for a section of a longer program: the cell during each motion, by the index of its step.
         registers: the declared registers.
-        watches: the inputs that hold a motion.
-        ways_out: the steps by which the robot withdraws after an input has held a motion.
+        watches: the inputs that stop a motion.
+        ways_out: the steps by which the robot withdraws after an input has stopped a motion.
     """
 
     source: SourceFile

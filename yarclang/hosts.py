@@ -21,7 +21,7 @@ _PORTS = {"http": 80, "https": 443}
 
 
 def is_called(host: str, port: int, names: set[str] | frozenset[str], scheme: str = "http") -> bool:
-    """Return True if a Host header has one of a server's names, and its port.
+    """Return True if a Host header has one of a server's names, and the server's port.
 
     Args:
         host: the header.
@@ -36,7 +36,7 @@ def is_called(host: str, port: int, names: set[str] | frozenset[str], scheme: st
 
 
 def is_own(origin: str | None, host: str | None, scheme: str = "http") -> bool:
-    """Return True if a page may connect.
+    """Return True if a page may connect, because this server has served it.
 
     Args:
         origin: origin of the page; None if the client isn't a page.

@@ -1,5 +1,5 @@
-"""Hashes and keys of programs and steps. They are equal for equal behaviour, wherever the commands are in
-the text.
+"""Hashes and cache keys of programs and their steps. They are equal for equal behaviour, wherever the
+commands are in the text.
 """
 
 from __future__ import annotations
@@ -38,10 +38,10 @@ from yarclang.memory import NO_MEMORY, Forgetful, Memory
 
 
 def flat(*parts: Any) -> bytes:
-    """Serialise numbers, texts, bytes and tuples of them to bytes.
+    """Serialise numbers, texts, bytes and tuples of them to bytes, for use in cache keys.
 
-    A bytes object is hashed and compared in one operation, while a tuple needs one for each part.
-    Equal bytes mean equal parts. Equal parts may give different bytes (a numpy float is written differently
+    A bytes object is hashed and compared in one operation, while a tuple needs one for each element. Equal
+    bytes mean equal elements. Equal elements may give different bytes (a numpy float is written differently
     from a float), but this only causes a cache miss.
     """
     return marshal.dumps(parts, _WITHOUT_REFERENCES)
@@ -52,8 +52,8 @@ _WITHOUT_REFERENCES = 2
 
 
 def key_of(step: Motion) -> bytes:
-    """Return a key of the behaviour of a motion and the frame that it moves, without its position in the
-    text.
+    """Return a cache key of a motion's behaviour and the frame that it moves. The motion's position in the
+    text doesn't count.
     """
     timing, speed = step.timing, step.timing.speed
     search = step.search if isinstance(step, JointMove | LineMove) else None
@@ -90,7 +90,7 @@ def key_of(step: Motion) -> bytes:
 
 
 def _key_of_link(link: FrameLink | None) -> Hashable:
-    """Return a key of the chain of frames from a moving frame to the flange."""
+    """Return a cache key of the chain of frames from a moving frame to the flange."""
     if link is None:
         return None
     return link.name, link.parent_from_frame.tobytes(), _key_of_link(link.parent)
@@ -159,14 +159,15 @@ def fingerprint(program: Program, memory: Memory = NO_MEMORY) -> str:
 
 
 def way_fingerprint(way: WayOut) -> str:
-    """Compute a hash of the robot's behaviour on a way out, as 16 hex digits."""
+    """Compute a hash of the robot's behaviour while it withdraws (`WayOut`), as 16 hex digits."""
     digest = hashlib.sha256()
     _feed(digest.update, way.steps)
     return digest.hexdigest()[:16]
 
 
 def _fed(step: Motion, memory: Memory) -> bytes:
-    """Return the bytes that a motion adds to the hash, cached by the identity of its fields.
+    """Return the bytes that a motion adds to the program's hash. They are cached by the identity of the
+    motion's fields.
 
     A step from the cache shares its field objects with the earlier step, unless it is in a loop or a SUB
     (semantics/recalling.py).
@@ -264,7 +265,7 @@ A default value is left out of the hash, so that the hash of an older program do
 
 @cache
 def _known_fields(kind: type[Any]) -> tuple[bytes, tuple[str, ...]] | None:
-    """Return the opening bytes and the names of the compared fields of a dataclass.
+    """Return the bytes with which a dataclass begins in a hash, and the names of its compared fields.
 
     None for Origin, which adds only its label, and for all other types.
     """

@@ -21,7 +21,7 @@ _PACKAGE = Path(__file__).parent
 def internal_error(
     error: BaseException, source: SourceFile | None = None, span: Span | None = None
 ) -> Diagnostic:
-    """Convert an exception to a finding.
+    """Convert an exception (a bug of the compiler) to a finding.
 
     Args:
         error: the caught exception.

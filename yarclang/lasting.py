@@ -3,8 +3,8 @@
 Motions and dwells have a known duration. A WAIT for an input and a HOLD end at an unknown time, so they are
 counted instead. The two branches of a WHEN may have different durations; a program then has a shortest and a
 longest time. The number of passes of a loop is unknown as well. The longest time contains one pass of each
-loop, or the fewest passes that lead to its end, and the text of the duration states this. All rooms and
-commands get their times from this module.
+loop, or the fewest passes that lead to the loop's end, and the text of the duration states this. All packages
+and commands get their times from this module.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _PRINTED = 5e-4
 
 @frozen
 class Lasting:
-    """Duration of a program or of a part of it.
+    """Duration of a program or of some of its steps.
 
     Attributes:
         least: known time of motions and dwells along the shortest branches [s].
@@ -122,7 +122,7 @@ def known(seconds: float) -> Lasting:
 
 @frozen
 class Schedule:
-    """Start times of the parts of a program.
+    """Start times of the parts of a program (such as its steps).
 
     Attributes:
         lasting: the duration of the whole program.
@@ -139,10 +139,10 @@ class Schedule:
 
 @frozen
 class _Open:
-    """A WHEN or a loop that has not ended yet.
+    """A WHEN or a loop whose end hasn't been reached yet.
 
     Attributes:
-        before: duration of the program up to it, since the enclosing WHEN or loop.
+        before: duration of the program up to this WHEN or loop, since the enclosing WHEN or loop.
         clock: the clock at its start [s].
         is_loop: True for a loop.
         other: duration of the first branch of a WHEN, or of a loop up to its EXITs (None: none yet).
@@ -162,7 +162,7 @@ class _Open:
 
 @dataclass(slots=True)
 class _Clock:
-    """Running duration while the parts of a program are visited in order.
+    """The duration so far, while the parts of a program are visited in order.
 
     Attributes:
         so_far: duration since the start of the innermost open WHEN or loop.
@@ -207,7 +207,7 @@ class _Clock:
                 pass
 
     def _since(self, depth: int) -> Lasting:
-        """Return the time since the body of the open item with index `depth` - 1 began.
+        """Return the time since the body of the open WHEN or loop with index `depth` - 1 began.
 
         For depth 0, it is the time since the program's start.
         """

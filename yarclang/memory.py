@@ -1,9 +1,9 @@
-"""Cache of earlier results, by everything that determines them, so that after an edit only changes are
-computed.
+"""Caches of earlier results, so that after an edit only what depends on the edit is computed.
 
-A memory is passed to a stage as an argument. Results don't depend on it. A key contains everything on which a
-result depends, by value (`bytes` of arrays) or by identity (a robot, or a path that came from the memory
-itself). For keys by identity the memory holds a reference, so that no other object can get the same id.
+A memory is passed to a stage of the compiler as an argument. Results don't depend on it. A key contains
+everything on which a result depends, by value (`bytes` of arrays) or by identity (a robot, or a path that
+came from the memory itself). For keys by identity the memory holds a reference, so that no other object can
+get the same id.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class Memory(Protocol):
 
 
 class Forgetful:
-    """Stores nothing, for stages whose work isn't repeated."""
+    """A memory that stores nothing, for stages whose work isn't repeated."""
 
     def get(self, key: Hashable) -> Any:
         """Return None."""
@@ -40,7 +40,7 @@ NO_MEMORY = Forgetful()
 
 
 class Recent:
-    """Stores the most recently used results, at most `most` of them.
+    """A cache of the `most` results that were used most recently.
 
     Two threads may use it at the same time. The worst effect is that a result is computed twice.
     """
@@ -84,7 +84,7 @@ class Recent:
             self._drop(self._most)
 
     def settle(self, least: int) -> None:
-        """Drop old results after a run.
+        """Drop old results after a run of the compiler.
 
         Args:
             least: number of results that are always kept. Otherwise up to twice the largest number of results
@@ -165,7 +165,9 @@ class Lately(Generic[T]):
         return len(self._young) + len(self._old)
 
     def expect(self, number: int) -> None:
-        """Prepare for this many different results in a row. They are kept until they are used again."""
+        """Make room for this many different results in a row, so that they are kept until they are used
+        again.
+        """
         self._enough = max(self._least, 2 * number)
 
     def cache_clear(self) -> None:

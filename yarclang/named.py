@@ -1,4 +1,4 @@
-"""Extensible sets by name: commands, profiles, findings, rules, robots. Each name has one meaning."""
+"""Extensible sets of items with unique names: commands, profiles, findings, rules, robots."""
 
 from __future__ import annotations
 
@@ -9,11 +9,13 @@ T = TypeVar("T")
 
 
 class NamedTwice(ValueError):  # noqa: N818 - it is said in a sentence: a finding is named twice
-    """Two items of a set have the same name, so that the second would silently replace the first."""
+    """Two items of an extensible set have the same name, so that the second would silently replace the
+    first.
+    """
 
 
 def by_name(kind: str, found: Iterable[tuple[str, str, T]]) -> dict[str, T]:
-    """Return the items of a set by name, in the given order.
+    """Return the items of an extensible set by name, in the given order.
 
     Args:
         kind: noun for an item, for the message.

@@ -1,8 +1,8 @@
-"""Distribute independent pieces of work to many cores, in forked processes that see all data and send back
-their results.
+"""Distribute independent tasks to many cores, in forked processes that see all data and send back their
+results.
 
-A command sets the number of processes (`on_cores`), and long work inside distributes its pieces (`mapped`).
-Results and their order don't depend on the number.
+A command sets the number of processes (`on_cores`), and long computations inside it distribute their tasks
+(`mapped`). Results and their order don't depend on the number.
 
 A fork contains only the thread that forks, and locks that other threads hold stay locked in it. A command
 therefore sets the number only if the work needs no lock that another thread may hold.
@@ -33,7 +33,7 @@ _PROCESSES: ContextVar[int] = ContextVar("processes", default=1)
 
 @contextmanager
 def on_cores(processes: int | None = None) -> Iterator[None]:
-    """Let the work in this block use a number of processes; None for one per core."""
+    """Set the number of processes for the work inside this `with` block; None for one per core."""
     token = _PROCESSES.set(cores() if processes is None else processes)
     try:
         yield
@@ -104,8 +104,8 @@ def _workers(work: Callable[[T], R], items: Sequence[T], number: int) -> Iterato
 
 
 def _results(lines: list[Connection], count: int) -> Iterator[tuple[int, Any]]:
-    """Distribute the indices of items, and yield their results. If a connection ends, its process was
-    killed.
+    """Distribute the indices of items to the processes, and yield their results. If a connection ends, its
+    process was killed.
     """
     from multiprocessing.connection import wait
 
@@ -128,7 +128,7 @@ def _results(lines: list[Connection], count: int) -> Iterator[tuple[int, Any]]:
 
 
 def _hand_out(line: Connection, waiting: Iterator[int], busy: list[Connection]) -> None:
-    """Give a process the next item, if there is one."""
+    """Give a process the next item, if any is left."""
     place = next(waiting, None)
     if place is not None:
         with suppress(OSError):
@@ -139,8 +139,8 @@ def _hand_out(line: Connection, waiting: Iterator[int], busy: list[Connection]) 
 def _serve(
     work: Callable[[Any], Any], items: Sequence[Any], line: Connection, others: list[Connection]
 ) -> None:
-    """Process requests until there are no more. Buffers aren't flushed at the end, since they belong to
-    the parent.
+    """Process the requests of the parent process until there are no more. Buffers aren't flushed at the end,
+    since they belong to the parent.
     """
     # Ignore Ctrl-C: the parent receives it too, and ends this process.
     signal.signal(signal.SIGINT, signal.SIG_IGN)

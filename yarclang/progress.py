@@ -1,6 +1,6 @@
 """Report progress of work to a listener, who may cancel the work.
 
-A command listens during a piece of work (`told_to`). Long loops inside report how much is done (`tell`), or
+A command sets a listener during some work (`told_to`). Long loops inside report how much is done (`tell`), or
 that they continue (`go_on`). An exception that the listener raises ends the work. Results don't depend on a
 listener.
 """
@@ -47,7 +47,9 @@ _TOLD: ContextVar[_Told | None] = ContextVar("told", default=None)
 
 @contextmanager
 def told_to(listener: Listener | None) -> Iterator[None]:
-    """Report the work of this thread in this block to a listener; None keeps the current listener."""
+    """Set the listener to whom this thread's work inside the `with` block is reported; None keeps the current
+    listener.
+    """
     if listener is None:
         yield
         return
@@ -60,7 +62,7 @@ def told_to(listener: Listener | None) -> Iterator[None]:
 
 @contextmanager
 def silent() -> Iterator[None]:
-    """Report the work in this block to nobody."""
+    """Report the progress of the work inside this `with` block to nobody."""
     token = _TOLD.set(None)
     try:
         yield
@@ -70,7 +72,7 @@ def silent() -> Iterator[None]:
 
 @contextmanager
 def within() -> Iterator[None]:
-    """Replace all reports in this block by a repetition of the last report before it."""
+    """Hide the reports of the work inside this `with` block: repeat the last report before it instead."""
     around = _TOLD.get()
     if around is None:
         yield
@@ -81,7 +83,7 @@ def within() -> Iterator[None]:
 
 @contextmanager
 def part(title: str) -> Iterator[None]:
-    """Report the work in this block with a title: `title: what is done`."""
+    """Put a title before the reports of the work inside this `with` block: `title: what is done`."""
     around = _TOLD.get()
     if around is None:
         yield
@@ -92,7 +94,7 @@ def part(title: str) -> Iterator[None]:
 
 
 def tell(what: str, done: int, total: int = 0) -> None:
-    """Report the current work and how much of it is done.
+    """Report to the listener what work is going on, and how much of it is done.
 
     Args:
         what: the work.

@@ -1,4 +1,6 @@
-"""Shapes of bodies around the origins of their frames, for links, tools and obstacles. Lengths are in m."""
+"""Shapes of bodies around the origins of their frames, for robot links, tools and obstacles. Lengths are
+in m.
+"""
 
 from __future__ import annotations
 

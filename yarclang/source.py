@@ -43,7 +43,7 @@ class SourceFile:
 
     Attributes:
         name: name of the file in messages.
-        text: its text.
+        text: the text.
         module: name of a module in upper case, as in USE; empty for a program.
         is_installed: True for a module of the standard library. Users don't edit it, and know it by its name,
             not by its path.

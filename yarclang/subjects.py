@@ -1,4 +1,6 @@
-"""Facts of findings for programs that act on them. Messages are only for people, and never parsed."""
+"""Facts about findings, as data for programs that act on findings. Messages are only for people, and never
+parsed.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,7 @@ from yarclang.units import Kind
 
 @frozen
 class Name:
-    """A name that is unknown, or isn't allowed at its place.
+    """The fact that a name is unknown, or isn't allowed at its place.
 
     Attributes:
         name: the name in the form in which names are compared: in upper case, without braces.
@@ -31,11 +33,11 @@ class Name:
 
 @frozen
 class MissingUnit:
-    """A missing unit.
+    """The fact that a value lacks its unit.
 
     Attributes:
         kind: kind of the unit.
-        of: the value that needs it, such as `the speed`.
+        of: the value that needs the unit, such as `the speed`.
     """
 
     kind: Kind
@@ -44,10 +46,10 @@ class MissingUnit:
 
 @frozen
 class LeftOut:
-    """Something that a command needs, but doesn't have.
+    """The fact that a command lacks something that it needs.
 
     Attributes:
-        what: its name, such as `the motion time`.
+        what: what is missing, such as `the motion time`.
     """
 
     what: str

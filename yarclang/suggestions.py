@@ -43,7 +43,7 @@ def near(word: str, known: Iterable[str]) -> tuple[str, ...]:
 
 
 def is_slip(word: str, name: str) -> bool:
-    """Return True if a word is a name with one letter missing, one letter too many, or two letters exchanged.
+    """Return True if a word looks like a mistyped name: one letter missing, one too many, or two exchanged.
 
     A changed letter or number doesn't count, since it makes another name: PICK2 isn't PICK1, and SIDE_B isn't
     SIDE_A.
@@ -93,10 +93,11 @@ def _described(known: tuple[str, ...]) -> tuple[dict[str, str], tuple[int, ...]]
 
 
 def _likely(word: str, names: Iterable[str], letters: Iterable[int]) -> list[str]:
-    """Return the few names that may be most similar to a word.
+    """Select the few names that may be most similar to a word.
 
-    Two upper bounds of difflib's ratio select them: one by lengths and letters and, for the best of these,
-    one by the longest common subsequence. They take a hundredth and a tenth of difflib's time.
+    The names are selected by two upper bounds of difflib's ratio: one by lengths and letters and, for the
+    best of these, one by the longest common subsequence. These bounds take a hundredth and a tenth of
+    difflib's time.
 
     Args:
         word: the typed word.

@@ -12,11 +12,11 @@ Kind = Literal["length", "angle", "time"]
 
 @frozen
 class Unit:
-    """A unit.
+    """A unit of measurement.
 
     Attributes:
-        name: its name.
-        kind: its kind.
+        name: name of the unit, such as `mm`.
+        kind: length, angle or time.
         factor: factor from the unit to m, rad or s.
     """
 

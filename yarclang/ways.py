@@ -1,4 +1,4 @@
-"""Follow a state through a program with branches, loops and early ends."""
+"""Follow a state (such as the robot's position) through a program with branches, loops and early ends."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Turn = When | Else | EndWhen | Finish | Loop | NextPass | Exit | EndLoop
 
 @frozen(eq=False)
 class Open(Generic[T]):
-    """A WHEN or a loop that has not ended yet.
+    """A WHEN or a loop whose end hasn't been reached yet, with the states that some analysis follows.
 
     Attributes:
         step: the When or Loop that opened it.
@@ -35,7 +35,8 @@ class Open(Generic[T]):
 
 @frozen(eq=False)
 class Ways(Generic[T]):
-    """The state between two steps, with the open WHENs and loops around it.
+    """An analysis's state between two steps of a program, such as where the robot is, with the open WHENs and
+    loops around them.
 
     Attributes:
         state: the state that is followed.
@@ -105,7 +106,8 @@ class Ways(Generic[T]):
 
 
 def line_to(steps: Iterable[Step]) -> list[Step]:
-    """Return one straight sequence of steps that leads to the last step, without the Turn steps.
+    """Return one sequence of steps without branches that leads to the last step. It has no When, Else or
+    other steps that only mark branches and loops.
 
     The sequence contains the first branch that continues of each ended WHEN, the current branch of an open
     WHEN, and one pass of a loop up to its first EXIT.

@@ -1,4 +1,4 @@
-"""Values in the form in which a program's line has them, and fixes that replace them."""
+"""Texts of values such as speeds in the form in which a program writes them, and fixes that replace them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from yarclang.hir import Origin, TimedMove
 
 
 def slower(share: float, origin: Origin) -> tuple[str, Fix | None]:
-    """Return a share of a programmed speed in the form of the program, and a fix that writes it.
+    """Return the text of a reduced speed as a program writes it, and a fix that writes it.
 
     Args:
         share: share of the speed in the line, above 0.
@@ -40,7 +40,7 @@ def stretch_fix(motion: TimedMove, stretch: float) -> Fix | None:
 
 
 def written_speed(origin: Origin) -> float | None:
-    """Return the number of a speed in the line itself; None if there is none."""
+    """Return the speed that a line gives as a plain number; None if there is none."""
     span = origin.time_span
     if span is None:
         return None

@@ -33,7 +33,7 @@ class Caller:
 
 @dataclass(frozen=True, slots=True)
 class Calls:
-    """A caller, and the places of its calls.
+    """A caller or a called SUB, with the places of its calls.
 
     Attributes:
         caller: the SUB or file at the other end of the calls.
@@ -56,11 +56,11 @@ def outside(view: View) -> Caller:
 
 
 def incoming(called: Caller, views: Iterable[View]) -> Iterator[Calls]:
-    """Yield the callers of a SUB, each with its calls.
+    """Yield the SUBs and files that call a SUB, each with its calls.
 
     Args:
         called: the SUB.
-        views: the files that may call the SUB, including its own.
+        views: the files that may call the SUB, including the SUB's own.
     """
     for view in views:
         found: dict[str, list[Place]] = {}
@@ -76,10 +76,10 @@ def incoming(called: Caller, views: Iterable[View]) -> Iterator[Calls]:
 
 
 def outgoing(caller: Caller, view: View) -> Iterator[Calls]:
-    """Yield the SUBs that a caller calls, each with the calls.
+    """Yield the SUBs that a SUB, or the lines of a file outside of all SUBs, calls, each with the calls.
 
     Args:
-        caller: a SUB of the view's file, or the lines outside of all SUBs.
+        caller: the SUB or the lines.
         view: the file.
     """
     callers: dict[tuple[str, Span], tuple[Caller, list[Place]]] = {}

@@ -1,4 +1,4 @@
-"""Candidates of a completion, and the candidates that are names."""
+"""Completion candidates (texts that may be inserted), and those that are declared names."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ _AMOUNTS = ("number", "parameter")
 
 @dataclass(frozen=True, slots=True)
 class Candidate:
-    """A text that may be inserted at a place.
+    """A text that completion offers at a place in a program.
 
     Attributes:
         label: text that is shown, and compared with the typed text.
@@ -76,10 +76,10 @@ class Candidate:
 
 
 class NameMaker:
-    """Creates candidates from the names that are known at a place.
+    """Creates completion candidates from the declared names that may be used at a place in a program.
 
     Args:
-        view: the text and its analysis.
+        view: the program's text and its analysis.
         cursor: the place.
         span: the range that a candidate replaces.
         behind: the character after the place.
@@ -191,11 +191,11 @@ class NameMaker:
                     yield self.make(name, "module", "a module", "\n".join(module_lines(module)), name)
 
     def symbols(self) -> Iterable[Symbol]:
-        """Return the declarations of the file that are known at the place."""
+        """Return the declarations of the file that may be used at the place."""
         return self.view.sketch.names.known_in(self.cursor.line)
 
     def _is_own(self, name: str, is_frame: bool) -> bool:
-        """Return True if the file declares a name anywhere, even if the name isn't known at this place."""
+        """Return True if the program's file declares a name anywhere, even where this place can't use it."""
         return any((one.name, one.is_frame) == (name, is_frame) for one in self.view.sketch.names.symbols)
 
     def _symbol(self, symbol: Symbol) -> Candidate:
@@ -205,7 +205,7 @@ class NameMaker:
     def make(
         self, label: str, kind: Kind, detail: str, documentation: str, text: str, rank: int = 0
     ) -> Candidate:
-        """Return a candidate that replaces the typed text."""
+        """Return a completion candidate that replaces the typed text."""
         return Candidate(label, kind, detail, documentation, text, self.span, rank)
 
 

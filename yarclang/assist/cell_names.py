@@ -1,4 +1,4 @@
-"""Rename frames and joint positions of a cell, in the cell's file and in all programs that use the cell."""
+"""Rename frames and joint positions of a cell, in the cell.toml and in all programs that use the cell."""
 
 from __future__ import annotations
 
@@ -41,8 +41,8 @@ def rename_in_cell(
     """Return the edits that rename a frame or joint position of a cell.
 
     Args:
-        place: its declaration in the cell.
-        named: one of its uses.
+        place: place of its declaration in the cell.toml.
+        named: one of its uses in a program.
         name: the new name.
         views: programs that may use the cell.
 
@@ -77,7 +77,7 @@ def _in_cell(source: SourceFile, named: Symbol | Use) -> Iterator[Span]:
 
 
 def _declared(source: SourceFile, kind: str, name: str) -> Iterator[Span]:
-    """Yield the places where the cell declares a name, as a table's own name or as a key of `[frames]` or
+    """Yield the places in a cell.toml that declare a name, as a table's own name or as a key of `[frames]` or
     `[joints]`.
     """
     word = rf"[\"']?({re.escape(name)})[\"']?"

@@ -1,4 +1,5 @@
-"""Completion: the commands, names, frames, units, options and modules that are possible at a place.
+"""Completion: the commands, names, frames, units, options and modules that are possible at a place in a
+program.
 
 A text to insert contains placeholders such as `${1:x}` for its values. Clients that don't support
 placeholders use `plain`.
@@ -46,7 +47,9 @@ from yarclang.words.spec import Slot, WordSpec
 
 
 def candidates_at(view: View, line: int, column: int) -> tuple[Candidate, ...]:
-    """Return the candidates that fit at a place (from 1). They aren't filtered by the typed text."""
+    """Return the completion candidates at a place (line and column from 1). They aren't filtered by the
+    typed text.
+    """
     cursor = cursor_at(view.sketch, line, column)
     text = view.sketch.source.line(line)
     maker = _Maker(view, cursor, Span.on_line(line, cursor.start, column), text[column - 1 : column])
@@ -55,7 +58,7 @@ def candidates_at(view: View, line: int, column: int) -> tuple[Candidate, ...]:
 
 
 class _Maker(NameMaker):
-    """Creates all candidates for a place."""
+    """Creates all completion candidates for a place in a program."""
 
     def candidates(self) -> Iterator[Candidate]:
         cursor = self.cursor
@@ -147,7 +150,7 @@ class _Maker(NameMaker):
                 yield from self.known(Input, "input")
 
     def _of_command(self, head: str) -> Iterator[Candidate]:
-        """Yield frames, joint positions and options."""
+        """Yield candidates for a command's frames, joint positions and options."""
         cursor = self.cursor
         if cursor.option == "NEAR":
             yield from self.known(JointPosition, "joints")
@@ -285,8 +288,8 @@ _OF_TABLES = ("STRETCH", "TOL", "ALLOW")
 
 
 def _options(spec: CommandSpec, cursor: Cursor) -> Iterator[tuple[str, Entry]]:
-    """Yield the options that can still be added to a command. After the time of a way-point, also yield the
-    words for joint speeds.
+    """Yield candidates for the options that can still be added to a command. After the time of a way-point,
+    also yield the words for joint speeds.
     """
     names = [one.name for one in cursor.before]
     if spec.is_timed:

@@ -15,19 +15,19 @@ _VALUES = {"number", "word", "frame", "string"}
 
 @dataclass(frozen=True, slots=True)
 class Cursor:
-    """The part of a statement before a place.
+    """The tokens of a statement before a place, for completion.
 
     Attributes:
         line: line of the place, from 1.
-        start: column at which the piece that is being typed begins.
-        text: this piece, up to the place; empty between two pieces.
-        kind: kind of this piece; empty between two pieces.
-        before: the previous pieces, from the beginning of the statement, without the index.
+        start: column at which the token that is being typed begins.
+        text: this token, up to the place; empty between two tokens.
+        kind: kind of this token; empty between two tokens.
+        before: the previous tokens, from the beginning of the statement, without the index.
         has_index: True if the statement has an index.
         head: first word of the statement, in upper case; empty if it isn't complete yet.
         bracket: innermost open bracket: `[`, `(`, `$(` or empty.
-        inside: the pieces in this bracket.
-        is_glued: True if a `$` is immediately before the piece.
+        inside: the tokens in this bracket.
+        is_glued: True if a `$` is immediately before the token.
     """
 
     line: int
@@ -108,12 +108,12 @@ class Cursor:
         return ""
 
     def has(self, mark: str) -> bool:
-        """Return True if a mark is before the place."""
+        """Return True if the statement has a certain token before the place."""
         return any(one.text == mark for one in self.before)
 
 
 def cursor_at(sketch: Sketch, line: int, column: int) -> Cursor:
-    """Return the part of the statement before a column (from 1)."""
+    """Return the tokens of the statement before a column (from 1)."""
     begin = sketch.begin_of(line)
     pieces: list[Lexeme] = []
     for number in range(begin, line):
@@ -154,7 +154,7 @@ def _head(before: tuple[Lexeme, ...]) -> str:
 
 
 def _open(before: tuple[Lexeme, ...]) -> tuple[str, tuple[Lexeme, ...]]:
-    """Return the innermost open bracket, and the pieces in it."""
+    """Return the innermost open bracket, and the tokens in it."""
     opened: list[tuple[str, int]] = []
     for number, one in enumerate(before):
         if one.text in {"[", "(", "$("}:

@@ -1,4 +1,4 @@
-"""Describe declared names, in Markdown."""
+"""Describe declared names in hover texts, in Markdown."""
 
 from __future__ import annotations
 
@@ -47,8 +47,8 @@ _CALLED = {
 
 
 def meaning_of(view: View, named: Symbol | Use, line: int) -> list[str]:
-    """Return the paragraphs that explain a declaration or use of a name in a line; empty if the name isn't
-    known.
+    """Return the paragraphs of a hover text that explain a name declared or used in a line; empty if the name
+    is unknown.
     """
     symbol = named if isinstance(named, Symbol) else named.symbol
     if isinstance(named, Use) and named.module:
@@ -77,7 +77,7 @@ def _of_symbol(view: View, sketch: Sketch, symbol: Symbol) -> list[str]:
 
 
 def _of_module(view: View, use: Use, line: int) -> list[str]:
-    """Describe the part of `PALLET.GRID` after the dot."""
+    """Describe a name in a module: the word after the dot of `PALLET.GRID`."""
     symbol = view.sketch.names.meant(use.module, False, line)
     module = view.module(use.module) if symbol and symbol.kind == "module" else None
     found = module.names.meant_by(use) if module else None
@@ -174,8 +174,8 @@ def _base_from(link: FrameLink) -> Array:
 
 
 def _link(view: View, symbol: Symbol, sketch: Sketch) -> FrameLink | None:
-    """Return the frame that a line declares. If the line is in a block, the frame is found by a command
-    that uses it.
+    """Return the frame that a line declares, with its parents. If the line is in a block, the frame is found
+    by a command that uses it.
     """
     if view.scope is not None and sketch is view.sketch:
         frame = view.scope.frame(symbol.name)

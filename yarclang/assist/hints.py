@@ -1,4 +1,4 @@
-"""Hints after motion commands: the shortest time that works, and the share of the limits that the motion
+"""Hints shown after motion commands: the shortest possible motion time, and how much of the limits the motion
 uses.
 """
 
@@ -24,7 +24,7 @@ _SHORTER = 0.02
 
 @dataclass(frozen=True, slots=True)
 class Hint:
-    """A few words that are shown after the end of a line.
+    """A few words that an editor shows after the end of a line.
 
     Attributes:
         line: from 1.
@@ -40,13 +40,15 @@ class Hint:
 
 
 class ShortestTimes:
-    """Cache of shortest times. They stay valid when other parts of the text are edited."""
+    """Cache of the shortest possible times of motions. They stay valid when other lines of the text are
+    edited.
+    """
 
     def __init__(self) -> None:
         self._known: dict[Any, float | None] = {}
 
     def of(self, view: View, number: int) -> float | None:
-        """Return the shortest time of a motion [s].
+        """Return the shortest possible time of a motion [s].
 
         None if no time works, if the motion isn't planned, or if it is blended with another motion and so has
         no time of its own.
@@ -70,7 +72,7 @@ class ShortestTimes:
 
 
 def hints_in(view: View, first: int, last: int, times: ShortestTimes) -> Iterator[Hint]:
-    """Yield the hints of the lines `first` to `last`.
+    """Yield the hints of the lines `first` to `last` of a program.
 
     Only motions whose plan belongs to the current text have hints.
     """

@@ -22,10 +22,10 @@ from yarclang.units import MM
 
 @dataclass(frozen=True, slots=True)
 class Hover:
-    """An explanation.
+    """An explanation that is shown when the mouse rests on a word of a program.
 
     Attributes:
-        text: in Markdown.
+        text: the explanation in Markdown.
         span: the range that the text explains.
     """
 
@@ -34,7 +34,7 @@ class Hover:
 
 
 def hover_at(view: View, line: int, column: int) -> Hover | None:
-    """Return the explanation for a place (from 1); None if there is none."""
+    """Return the explanation of the word at a place (line and column from 1); None if there is none."""
     text = view.sketch.source.line(line)
     lexeme = lexeme_at(text, column)
     if lexeme is None or lexeme.kind in {"open_frame", "string"}:
@@ -53,7 +53,9 @@ def hover_at(view: View, line: int, column: int) -> Hover | None:
 
 
 def _of_word(view: View, statement: Statement | None, line: int, lexeme: Lexeme) -> Iterator[str]:
-    """Yield the paragraphs for a word of the language and its command. For a number, explain its command."""
+    """Yield the paragraphs that explain a word of the language and its command. For a number, explain its
+    command.
+    """
     word = lexeme.name
     if statement is None:
         text = command_text(word) or word_text(word) or unit_text(word)
@@ -107,7 +109,7 @@ def finding_text(finding: Finding) -> str:
 
 
 def command_lines(view: View, line: int) -> Iterator[str]:
-    """Yield what is known about the motion in a line, in Markdown; nothing for other lines.
+    """Yield the facts about the motion in a line, such as its duration, in Markdown; nothing for other lines.
 
     This may plan the motion once more.
     """

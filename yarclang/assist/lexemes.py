@@ -27,11 +27,11 @@ _INDEX = re.compile(r"[Pp][0-9]+")
 
 @dataclass(frozen=True, slots=True)
 class Lexeme:
-    """A piece of a line.
+    """A token of a line.
 
     Attributes:
-        kind: kind of the piece.
-        text: its text.
+        kind: kind of the token.
+        text: its characters.
         start: its first column, from 1.
     """
 
@@ -41,17 +41,19 @@ class Lexeme:
 
     @property
     def end(self) -> int:
-        """Return the first column after the piece."""
+        """Return the first column after the token."""
         return self.start + len(self.text)
 
     @property
     def name(self) -> str:
-        """Return the text in the form in which names are compared: in upper case, a frame without braces."""
+        """Return the token's text in the form in which names are compared: in upper case, a frame without
+        braces.
+        """
         return self.text.strip("{}").strip().upper()
 
 
 def _read(line: str) -> tuple[Lexeme, ...]:
-    """Return the pieces of one line. Blanks are left out."""
+    """Split a line into its tokens. Blanks are left out."""
     found: list[Lexeme] = []
     for match in _TOKEN.finditer(line):
         kind: Kind = match.lastgroup  # type: ignore[assignment]
@@ -71,7 +73,7 @@ lexemes_of = Lately(_read, _KEPT)
 
 
 def lexeme_at(line: str, column: int) -> Lexeme | None:
-    """Return the piece at a column (from 1), or the piece that ends there; None between two pieces."""
+    """Return the token at a column (from 1), or the token that ends there; None between two tokens."""
     touched = [one for one in lexemes_of(line) if one.start <= column <= one.end]
     # If two pieces touch, prefer the piece with a name, as in `{B}|` or `$|X`.
     named = [one for one in touched if one.kind not in {"mark", "comment"}]

@@ -22,11 +22,11 @@ _SAMPLES = 201
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MotionFacts:
-    """One motion of a program.
+    """Facts about one motion of a program, for hover texts.
 
     Attributes:
         label: label of the command.
-        number: number of its step.
+        number: number of the motion's step.
         frame: the moving frame, without braces.
         base: frame of the programmed values, without braces.
         in_base: (4, 4) moving frame in `base` at the end; None if `base` is the robot's base.
@@ -34,7 +34,7 @@ class MotionFacts:
         joints: (n,) joint positions at the end [rad or m]; None if they are unknown because of errors.
         begins: time at which the motion begins [s]; None if the motion isn't planned.
         duration: duration [s]; None if the motion isn't planned.
-        smallest: smallest singular value during the motion; None if the motion isn't planned.
+        smallest: smallest singular value of the Jacobian during the motion; None if the motion isn't planned.
         certificate: proved properties; None if nothing was proved.
     """
 
@@ -64,7 +64,9 @@ class MotionFacts:
 
 
 def most_used(certificate: CommandCertificate) -> tuple[str, Load]:
-    """Return the most used limit of velocity, acceleration, jerk or motor speed, with its name."""
+    """Return the limit of velocity, acceleration, jerk or motor speed that a motion uses most, with its
+    name.
+    """
     loads = [
         ("velocity", certificate.velocity),
         ("acceleration", certificate.acceleration),
@@ -105,7 +107,7 @@ def facts_of(view: View, number: int) -> MotionFacts | None:
 
 
 def _moving(view: View, link: FrameLink | None, robot: Robot) -> tuple[str, Array]:
-    """Return the name of the frame that a command moves, and flange_from_frame (4, 4).
+    """Return the name of the frame that a command moves, and its pose flange_from_frame (4, 4).
 
     For joint motions, this is the moving frame of DEFAULT, or else the robot's own.
     """
@@ -121,12 +123,12 @@ def _moving(view: View, link: FrameLink | None, robot: Robot) -> tuple[str, Arra
 
 
 def _world(step: Motion, joints: Array | None, flange_from_frame: Array, robot: Robot) -> Array | None:
-    """Return base_from_frame (4, 4) of the moving frame at the end of a motion.
+    """Return the pose base_from_frame (4, 4) of the moving frame at the end of a motion.
 
     Args:
         step: the motion.
-        joints: (n,) joint positions at its end [rad or m]; None if they aren't known.
-        flange_from_frame: (4, 4) of the moving frame.
+        joints: (n,) joint positions at the end of the motion [rad or m]; None if they aren't known.
+        flange_from_frame: (4, 4) pose of the moving frame on the flange.
         robot: the robot.
     """
     if isinstance(goal := step.end, PoseGoal):
@@ -138,7 +140,7 @@ def _world(step: Motion, joints: Array | None, flange_from_frame: Array, robot: 
 
 
 def pace_in(view: View, number: int) -> Pace | None:
-    """Return the limit that determines a motion's time, and the shortest time that works.
+    """Return the shortest possible time of a motion, and the limit that determines it.
 
     The values are equal to those of `yarc inspect`. The motion is planned again.
     """

@@ -1,4 +1,4 @@
-"""Find declarations and uses of names, in a file and in the files that use it; rename them."""
+"""Find declarations and uses of names, in a file and in the files that use it; rename these names."""
 
 from __future__ import annotations
 
@@ -32,10 +32,10 @@ class Place:
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """A declaration in a file.
+    """A declaration of a name, and the file that contains it.
 
     Attributes:
-        sketch: structure of the file.
+        sketch: statements and names of the file.
         symbol: the declaration.
     """
 
@@ -48,8 +48,8 @@ class Target:
         return Place(self.sketch.source, self.symbol.span)
 
     def is_same(self, other: Target | None) -> bool:
-        """Return True if the other target is the same declaration, possibly in another sketch of an equal
-        text.
+        """Return True if another target is the same declaration. It may have been read from another version
+        of the same text.
         """
         return (
             other is not None
@@ -63,7 +63,9 @@ class RenameError(ValueError):
 
 
 def target_at(view: View, line: int, column: int) -> Target | None:
-    """Return the declaration of the name at a place (from 1), in this file or in one of its modules."""
+    """Return the declaration of the name at a place (line and column from 1), in this file or in one of
+    its modules.
+    """
     named = view.sketch.named_at(line, column)
     return None if named is None else target_of(view, named)
 
@@ -83,8 +85,8 @@ def target_of(view: View, named: Symbol | Use) -> Target | None:
 
 
 def definition_at(view: View, line: int, column: int) -> Place | None:
-    """Return the place where the name at a place (from 1) is declared: in this file, a module, the cell or
-    the robot.
+    """Return the place where the name at a place (line and column from 1) is declared: in this file, a
+    module, the cell or the robot.
 
     For a module's name, return the beginning of the module's file.
     """
@@ -130,7 +132,7 @@ def _in_description(folder: Path, name: str) -> Place | None:
 
 
 def references(target: Target, views: Iterable[View], *, declaration: bool = True) -> Iterator[Place]:
-    """Yield every use of a declaration in some texts.
+    """Yield every use of a declared name in some files.
 
     Args:
         target: the declaration.
@@ -148,7 +150,7 @@ def references(target: Target, views: Iterable[View], *, declaration: bool = Tru
 
 
 def renamable_at(view: View, line: int, column: int) -> Place:
-    """Return the place of the name at a place (from 1), if the name can be changed.
+    """Return the range of the name at a place (line and column from 1), if the name can be changed.
 
     Raises:
         RenameError: there is no name, or it is declared outside of programs.
@@ -166,7 +168,7 @@ def renamable_at(view: View, line: int, column: int) -> Place:
 
 
 def rename(target: Target, views: Iterable[View], name: str) -> dict[SourceFile, list[Edit]]:
-    """Return the edits that rename a declaration and all its uses.
+    """Return the edits that rename a declared name and all its uses.
 
     Raises:
         RenameError: the new name isn't allowed.
@@ -181,7 +183,7 @@ def rename(target: Target, views: Iterable[View], name: str) -> dict[SourceFile,
 
 
 def _check(target: Target, views: list[View], name: str) -> None:
-    """Check that a new name is allowed for a target."""
+    """Check that a new name is allowed for a declaration."""
     symbol, upper = target.symbol, name.upper()
     if NAME.fullmatch(name) is None:
         raise RenameError(f"`{name}` is no name: names have letters, digits and _, and begin with no digit")
@@ -205,5 +207,5 @@ def _check(target: Target, views: list[View], name: str) -> None:
 
 
 def _meet(one: Symbol, other: Symbol) -> bool:
-    """Return True if there is a line in which both declarations are known."""
+    """Return True if there is a line in which both declared names may be used."""
     return one.first <= other.last and other.first <= one.last

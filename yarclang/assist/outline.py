@@ -31,15 +31,15 @@ Kind = Literal[
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """A part of a file.
+    """An entry in the outline of a file: a declaration, a block or a command.
 
     Attributes:
         name: name that is shown.
         detail: text that is shown after the name.
-        kind: kind of the part.
-        span: the whole part.
+        kind: kind of the entry.
+        span: the whole range of lines that it stands for.
         name_span: the range that an editor selects.
-        children: the parts inside.
+        children: the entries inside a block.
     """
 
     name: str
@@ -72,8 +72,8 @@ edit.
 
 
 def outline(sketch: Sketch) -> tuple[Entry, ...]:
-    """Return declarations, SUBs and other blocks with their contents, and commands unless there are too
-    many.
+    """Return the outline of a file: declarations, SUBs and other blocks with their contents, and commands
+    unless there are too many.
     """
     symbols = {one.statement.line: one for one in sketch.names.symbols if one.kind != "parameter"}
     maker = _Maker(sketch, symbols, len(sketch.module.statements) - len(symbols) <= MOST_COMMANDS)
@@ -122,8 +122,8 @@ def _code(sketch: Sketch, statement: Statement) -> str:
 
 
 def folds(sketch: Sketch) -> tuple[Fold, ...]:
-    """Return the ranges that can be folded: blocks up to their ELSE or END, lists of way-points, and comments
-    of several lines.
+    """Return the ranges of lines that can be folded: blocks up to their ELSE or END, lists of way-points, and
+    comments of several lines.
     """
     return tuple(
         sorted((*_block_folds(sketch.nodes), *_list_folds(sketch), *_comment_folds(sketch)), key=_order)

@@ -13,7 +13,9 @@ from yarclang.robot.model import Robot
 
 
 def joints_text(robot: Robot, q: Array) -> str:
-    """Return a text such as `J1 12.000, J2 -5.500 deg`. A common unit is given once, at the end."""
+    """Return joint positions as text, such as `J1 12.000, J2 -5.500 deg`. A common unit is given once, at
+    the end.
+    """
     units = robot.axis_unit_names
     values = np.round(q / robot.axis_units, 3) + 0.0  # avoid a minus sign before zero
     same = len(set(units)) == 1
@@ -25,8 +27,8 @@ def joints_text(robot: Robot, q: Array) -> str:
 
 
 def chain_lines(link: FrameLink) -> Iterator[str]:
-    """Yield a line for a frame and for each frame in which it is given in turn, with values, and a line for
-    its pose in the last of these frames.
+    """Yield a line with the pose of a frame in its parent, one for each further parent, and one with the
+    frame's pose in the last parent.
     """
     chain = chain_of(link)
     for one in chain:

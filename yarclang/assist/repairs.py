@@ -1,7 +1,7 @@
-"""Find repairs for findings: the finding's own fix, a similar name, the missing unit, or a comment that
-suppresses the finding.
+"""Find repairs for findings: the fix that comes with a finding, a similar name, the missing unit, or a
+comment that suppresses the finding.
 
-`yarc check --fix` may apply a finding's own fix. The other repairs are for a person to choose.
+`yarc check --fix` may apply the fix that comes with a finding. The other repairs are for a person to choose.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _IGNORE = re.compile(r"!\s*yarc\s*:\s*ignore\s*\[[^\]]*(?=\])", re.IGNORECASE)
 
 @dataclass(frozen=True, slots=True)
 class Repair:
-    """A change that removes a finding.
+    """A change of the program that removes a finding.
 
     Attributes:
         finding: the finding.
@@ -45,7 +45,7 @@ def repairs_of(
 
     Args:
         source: the text with the finding.
-        sketch: the text's structure, if it is a program.
+        sketch: statements and names of the text, if it is a program.
         finding: the finding.
         others: all findings of the text.
     """
@@ -88,7 +88,9 @@ def _kind(finding: Diagnostic) -> Kind | None:
 
 
 def _with_units(statement: Statement, names: str) -> Edit:
-    """Return the edit that inserts units into a statement's brackets, or after its time or values."""
+    """Return the edit that writes missing units into a statement's brackets or, without brackets, after its
+    time or values.
+    """
     if statement.units is not None:
         end = statement.span(statement.units.place)
         place = Span(end.end_line, end.end_column - 1, end.end_line, end.end_column - 1)

@@ -15,7 +15,8 @@ _GROUP = re.compile(r"\[[^\]]*\]|\{[^}]*\}|\([^()]*\)|[^;\[\]{}()]+")
 
 
 def around(sketch: Sketch, line: int, column: int) -> tuple[Span, ...]:
-    """Return the ranges around a place (from 1), the smallest first.
+    """Return the ranges to which an editor expands the selection at a place (line and column from 1), the
+    smallest first.
 
     They are word, group, way-point, statement, blocks, and the whole text.
     """

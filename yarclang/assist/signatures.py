@@ -43,11 +43,11 @@ _DEFAULT_UNITS: Mapping[Kind, str] = {"length": "length", "angle": "angle", "tim
 
 @dataclass(frozen=True, slots=True)
 class ValueText:
-    """A value of a line.
+    """A value that a line needs, as shown to the user.
 
     Attributes:
-        label: its name with its unit.
-        meaning: its meaning.
+        label: name of the value with its unit.
+        meaning: meaning of the value.
     """
 
     label: str
@@ -56,7 +56,7 @@ class ValueText:
 
 @dataclass(frozen=True, slots=True)
 class Signature:
-    """The values that a line needs.
+    """The values that a line needs, for display while the user types them.
 
     Attributes:
         head: first word of the line.
@@ -72,7 +72,9 @@ class Signature:
 
 
 def signature_at(view: View, line: int, column: int) -> Signature | None:
-    """Return the signature of the values at a place (from 1); None if no values are expected there."""
+    """Return the values that a line needs, at a place (line and column from 1); None if no values are
+    expected there.
+    """
     cursor = cursor_at(view.sketch, line, column)
     if cursor.is_head or cursor.is_comment or cursor.bracket in {"[", "("} or _is_behind(cursor):
         return None
@@ -100,7 +102,9 @@ def _has_frame(cursor: Cursor) -> bool:
 
 
 def _is_behind(cursor: Cursor) -> bool:
-    """Return True if the values end before the place, by a time, units, the base frame or an option."""
+    """Return True if the values of a line end before the place, because a time, units, the base frame or an
+    option has followed.
+    """
     depth = 0
     # Each way-point of a timetable has a time. After a semicolon, values begin again.
     begins = max((number for number, one in enumerate(cursor.before) if one.text == ";"), default=0)
@@ -148,7 +152,9 @@ def value_texts(view: View, values: Values, cursor: Cursor) -> tuple[ValueText, 
 
 
 def units_in(sketch: Sketch, line: int) -> Mapping[Kind, str]:
-    """Return the unit of each kind in a line: the line's own, or that of DEFAULT, or else the kind's name."""
+    """Return the unit of lengths, angles and times in a line: the line's own, or that of DEFAULT, or else the
+    name of the quantity.
+    """
     found = dict(_DEFAULT_UNITS)
     for statement in (sketch.default, sketch.statement_at(line)):
         for item in statement.units.items if statement and statement.units else ():
@@ -189,10 +195,10 @@ def called_sub(view: View, cursor: Cursor) -> SubText | None:
 
 
 def given_arguments(pieces: tuple[Lexeme, ...]) -> tuple[list[str], bool]:
-    """Return the names of the arguments in pieces; empty for an argument without a name.
+    """Return the names of the arguments that a CALL already has; empty for an argument without a name.
 
     Args:
-        pieces: the pieces of a CALL after the SUB's name. Pieces in brackets belong to one argument.
+        pieces: the tokens of the CALL after the SUB's name. Tokens in brackets belong to one argument.
 
     Returns:
         The names, in order, and True if the last one still has no value.
@@ -220,10 +226,10 @@ def given_arguments(pieces: tuple[Lexeme, ...]) -> tuple[list[str], bool]:
 
 
 def _next_argument(pieces: tuple[Lexeme, ...], parameters: list[str]) -> int | None:
-    """Return the number of the parameter that is being given, from 0; None if all are given.
+    """Return the number of the SUB's parameter that is being typed, from 0; None if all are given.
 
     Args:
-        pieces: the pieces of the CALL after the SUB's name.
+        pieces: the tokens of the CALL after the SUB's name.
         parameters: names of the SUB's parameters, without braces.
     """
     given, waits = given_arguments(pieces)

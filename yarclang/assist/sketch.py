@@ -1,6 +1,4 @@
-"""The structure of a text without evaluation: statements, blocks, names. It exists even for a text with
-errors.
-"""
+"""The statements, blocks and names of a text, without evaluation. They exist even for a text with errors."""
 
 from __future__ import annotations
 
@@ -36,7 +34,7 @@ class Sketch:
 
     @cached_property
     def names(self) -> Names:
-        """Return declarations and uses."""
+        """Return the declared and used names of the text."""
         return names_of(self.nodes)
 
     @cached_property
@@ -53,9 +51,7 @@ class Sketch:
         return self._by_line.get(line)
 
     def begin_of(self, line: int) -> int:
-        """Return the first line of the list of way-points that a line continues; otherwise the line
-        itself.
-        """
+        """Return the first line of the list of way-points that contains a line; otherwise the line itself."""
         above = line - 1
         begin = line
         while above > 0:
@@ -75,7 +71,7 @@ class Sketch:
         )
 
     def named_at(self, line: int, column: int) -> Symbol | Use | None:
-        """Return the declaration or use of a name at a place (from 1).
+        """Return the declaration or use of a name at a place (line and column from 1).
 
         The place directly after the name, and a frame's braces, belong to the name.
         """
@@ -86,7 +82,7 @@ class Sketch:
 
 
 def sketch_of(source: SourceFile) -> Sketch:
-    """Return the structure of a text."""
+    """Return the statements, blocks and names of a text."""
     module = parse(source).value
     assert module is not None  # parsing always returns a tree
     return Sketch(source, module)

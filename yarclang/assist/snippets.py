@@ -26,7 +26,7 @@ def plain_text(snippet: str) -> str:
 
 
 def next_index(sketch: Sketch, line: int) -> str:
-    """Return an index for a command in a line: greater than the index above and, if possible, less than
+    """Return an index for a new command in a line: greater than the index above and, if possible, less than
     the index below.
     """
     numbers = [(one.line, int(one.index.text[1:])) for one in sketch.module.statements if one.index]

@@ -1,4 +1,4 @@
-"""The names of a file: their declarations, the lines in which they are known, and their uses.
+"""The names of a file: their declarations, the lines in which they may be used, and their uses.
 
 As in the language, frames have separate names. Nothing is evaluated, so that texts with errors and
 blocks that never run are included.
@@ -67,8 +67,8 @@ class Symbol:
         is_frame: True if it names a frame.
         span: place of the name, for a frame without braces.
         statement: the declaration.
-        first: line after which the name is known.
-        last: last line in which the name is known.
+        first: line after which the name may be used.
+        last: last line in which the name may be used.
         inside: the SUB that contains the declaration; empty outside of SUBs.
     """
 
@@ -82,7 +82,7 @@ class Symbol:
     inside: str = ""
 
     def is_known_in(self, line: int) -> bool:
-        """Return True if the name is known in a line."""
+        """Return True if the name may be used in a line."""
         return self.first < line <= self.last
 
 
@@ -126,28 +126,28 @@ class Names:
         self._by_name.setdefault((symbol.name, symbol.is_frame), []).append(symbol)
 
     def known_in(self, line: int) -> Iterator[Symbol]:
-        """Yield the symbols that are known in a line, beginning with the last declared."""
+        """Yield the declarations whose names may be used in a line, the last declared first."""
         return (one for one in reversed(self.symbols) if one.is_known_in(line))
 
     def meant(self, name: str, is_frame: bool, line: int) -> Symbol | None:
-        """Return the symbol to which a name without a module refers in a line."""
+        """Return the declaration to which a name without a module refers in a line."""
         named = reversed(self._by_name.get((name, is_frame), []))
         return next((one for one in named if one.is_known_in(line)), None)
 
     def declared(self, name: str, is_frame: bool) -> Symbol | None:
-        """Return the symbol to which a name refers for users of the module; it is declared outside of
-        blocks.
+        """Return the declaration of a name that other files see when they use this file as a module: one
+        outside of blocks.
         """
         named = self._by_name.get((name, is_frame), [])
         return next((one for one in named if one.last == _END and not one.inside), None)
 
     def parameter(self, sub: str, name: str, is_frame: bool) -> Symbol | None:
-        """Return the parameter of a SUB with a name; None if there is none."""
+        """Return the declaration of a SUB's parameter by its name; None if there is none."""
         named = self._by_name.get((name, is_frame), [])
         return next((one for one in named if one.kind == "parameter" and one.inside == sub), None)
 
     def meant_by(self, use: Use) -> Symbol | None:
-        """Return the symbol of this file that another file uses as `MODULE.NAME`, or as a parameter's
+        """Return the declaration in this file that another file uses as `MODULE.NAME`, or as a parameter's
         name.
         """
         if use.sub:
@@ -156,7 +156,7 @@ class Names:
 
 
 def names_of(nodes: tuple[Node, ...]) -> Names:
-    """Return the names in a file's blocks."""
+    """Return the names that are declared and used in the statements and blocks of a file."""
     reader = _Reader()
     reader.nodes(nodes, _END, "")
     return reader.names
@@ -251,7 +251,9 @@ class _Reader:
         )
 
     def _add(self, symbol: Symbol) -> None:
-        """Add a declaration. If the other branch of an IF has declared the name, add a use instead."""
+        """Add a declaration. If the other branch of an IF has declared the same name, add a use of it
+        instead.
+        """
         key = (symbol.name, symbol.is_frame)
         if key not in self._behind:
             self.names.add(symbol)
@@ -351,8 +353,8 @@ def ends_of(nodes: tuple[Node, ...]) -> dict[int, int]:
 
 
 def _last_line(block: Block) -> int:
-    """Return the last line of a block. If its END is missing, the statements that follow belong to the
-    block.
+    """Return the last line of a block. If the block's END is missing, the statements that follow belong to
+    it.
     """
     return max((_end_of(one) for one in (*block.body, *(block.otherwise or ()))), default=block.head.line)
 

@@ -49,7 +49,7 @@ _OF_SYMBOL: dict[str, Tint] = {
 
 @dataclass(frozen=True, slots=True)
 class Tinted:
-    """A range of a line.
+    """A range of a line, with the kind of word for syntax colours.
 
     Attributes:
         line: from 1.
@@ -67,7 +67,9 @@ class Tinted:
 
 
 def tints(sketch: Sketch, first: int = 1, last: int | None = None) -> Iterator[Tinted]:
-    """Yield the words of the lines `first` to `last` in order, including lines that can't be parsed."""
+    """Yield the words of the lines `first` to `last` with their kinds, for syntax colours; also in lines that
+    can't be parsed.
+    """
     named: dict[tuple[int, int], tuple[Tint, bool]] = {}
     for symbol in sketch.names.symbols:
         named[symbol.span.line, symbol.span.column] = _OF_SYMBOL[symbol.kind], True
@@ -109,7 +111,7 @@ def _of_line(
 
 
 def _names(line: int, piece: Lexeme, named: dict[tuple[int, int], tuple[Tint, bool]]) -> Iterator[Tinted]:
-    """Yield the names in a piece: `PALLET.GRID` has two."""
+    """Yield the names in a token: `PALLET.GRID` has two."""
     start = piece.start
     for part in piece.text.split("."):
         inner = part.strip("{} \t")
@@ -121,8 +123,8 @@ def _names(line: int, piece: Lexeme, named: dict[tuple[int, int], tuple[Tint, bo
 
 
 def _plain(piece: Lexeme, *, is_head: bool, is_called: bool) -> Tint | None:
-    """Return the kind of a word that isn't a declared name. `MIN` is a time, or a function if a bracket
-    follows it.
+    """Return the kind of a word that isn't a declared name. `MIN` before a bracket is a function, elsewhere a
+    constant (the shortest motion time), and never the unit of minutes.
     """
     match piece.kind:
         case "comment" | "string" | "number" | "index":

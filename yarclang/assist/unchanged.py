@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Unchanged:
-    """The lines that two texts have in common.
+    """The lines that an older and a newer text have in common.
 
     Attributes:
         first: number of common lines at the beginning.
@@ -23,13 +23,13 @@ class Unchanged:
     after: int
 
     def now(self, line: int) -> int | None:
-        """Return the number in the newer text of a line of the older text; None if the line was changed."""
+        """Convert a line number of the older text to that of the newer text; None if the line was changed."""
         if line <= self.first:
             return line
         return line + self.after - self.before if line > self.before - self.last else None
 
     def then(self, line: int) -> int | None:
-        """Return the number in the older text of a line of the newer text; None if the line was changed."""
+        """Convert a line number of the newer text to that of the older text; None if the line was changed."""
         return Unchanged(self.first, self.last, self.after, self.before).now(line)
 
 

@@ -1,5 +1,5 @@
-"""The structure of a text and the results of the pipeline so far, from which questions about the text are
-answered.
+"""A text in an editor with its statements and names, and the results of checking it so far. All questions
+about the text are answered from these.
 """
 
 from __future__ import annotations
@@ -23,16 +23,16 @@ from yarclang.semantics.names.scope import Scope
 
 
 def no_module(name: str) -> Sketch | None:  # noqa: ARG001
-    """Return None, for a text without modules."""
+    """Return None for any module name: the function for a text without modules."""
     return None
 
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """A text, and its analysis so far.
+    """A text in an editor, and the results of checking it so far.
 
     Attributes:
-        sketch: the text's structure.
+        sketch: statements and names of the text.
         checked: result of checking this text; None until it is ready.
         robot: robot of this text, or of an older version.
         module: function that returns a module by its name in upper case.
@@ -51,11 +51,11 @@ class View:
         return self.checked is not None and self.checked.plan is not None
 
     def planned_at(self, line: int) -> tuple[View, int] | None:
-        """Return the view and the step with the planned motions of a line.
+        """Return the view that has the planned motions of a line, and the number of the line in this view.
 
         The view is that of the current text. If its motions aren't planned, because of errors or because the
-        plan isn't ready, it is the view of the last version that could be planned. None if neither has them,
-        or if the line has changed since that version.
+        plan isn't ready, it is the view of the last version that could be planned. None if there is no such
+        version, or if the line has changed since then.
         """
         if self.is_planned:
             return self, line
@@ -79,8 +79,8 @@ class View:
 
     @cached_property
     def scope(self) -> Scope | None:
-        """Return the meanings of the names that the file declares outside of blocks; None if the robot isn't
-        known.
+        """Return the meanings of the names that the program declares outside of blocks; None if the robot
+        isn't known.
         """
         opened = self.checked.opened if self.checked else None
         if opened is None:
@@ -108,7 +108,7 @@ class View:
 
     @cached_property
     def flowing(self) -> frozenset[int]:
-        """Return the steps of motions that begin or end without a stop."""
+        """Return the steps of the motions that are blended with a neighbour."""
         plan = self.checked.plan if self.checked else None
         motions = plan.motions if plan else ()
         begins = [later.step for before, later in pairwise(motions) if before.flows]

@@ -1,4 +1,4 @@
-"""The words of the language with a line of documentation each. Commands and profiles have their own
+"""The words of the language, with a line of documentation for each. Commands and profiles have their own
 documentation.
 """
 
@@ -142,8 +142,8 @@ def command_names() -> tuple[str, ...]:
 
 @cache
 def command_of(name: str) -> tuple[CommandSpec, str, str] | None:
-    """Return the command of a full name, its target suffix (empty for none) and its profile; None if there is
-    none.
+    """Split a command's full name, such as MOVEJ_RPY_LSPB: return the command, its target suffix (empty for
+    none) and its profile; None if there is no such command.
     """
     if name not in command_names():
         return None

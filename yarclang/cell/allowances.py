@@ -1,4 +1,6 @@
-"""Names of the bodies that a program may name, and the pairs of them that a cell allows to touch."""
+"""Pairs of bodies that a cell allows to touch (`[[allow]]`), and the names by which programs may name
+bodies.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +28,9 @@ def robot_bodies(robot: Robot) -> tuple[str, ...]:
 
 
 def body_names(robot: Robot, cell: Cell | None) -> Counter[str]:
-    """Return the names of all bodies in upper case, with the number of bodies that have each name."""
+    """Return the names in upper case of all bodies in the cell and of the robot, with the number of bodies
+    that have each name.
+    """
     names = [one.upper() for one in robot_bodies(robot)]
     if cell is not None:
         names += [one.name for one in cell.obstacles] + [one.body.name for one in cell.parts]
@@ -34,17 +38,18 @@ def body_names(robot: Robot, cell: Cell | None) -> Counter[str]:
 
 
 def repeated_parts(cell: Cell | None) -> frozenset[str]:
-    """Return the names of the parts that come several times, one after the other."""
+    """Return the names of the workpieces that come several times, one after the other."""
     return frozenset(() if cell is None else (one.body.name for one in cell.parts if one.count > 1))
 
 
 def pair_fault(pair: tuple[str, str], names: Counter[str], repeated: Iterable[str]) -> str:
-    """Return the fault of a pair of names that all exist, as the start of a sentence; empty if there is none.
+    """Return why a pair of existing body names isn't a pair that may be allowed to touch, as the start of a
+    sentence; empty if it may.
 
     Args:
         pair: two names in upper case.
-        names: the names of all bodies, with their number.
-        repeated: names of the parts that come several times.
+        names: the names of all bodies, with the number of bodies of each name.
+        repeated: names of the workpieces that come several times.
     """
     first, second = pair
     if first == second and first not in repeated:
@@ -56,7 +61,7 @@ def pair_fault(pair: tuple[str, str], names: Counter[str], repeated: Iterable[st
 
 
 def read_allowances(table: CellTable, around: Surroundings) -> tuple[CellAllowance, ...]:
-    """Return the correct entries of `[[allow]]`, and report the others."""
+    """Read the `[[allow]]` entries of a cell.toml: return the correct ones, and report the others."""
     robot = around.robot
     own = () if robot is None else robot_bodies(robot)
     listed = [one.name.upper() for one in (*table.obstacles, *table.parts) if one.name is not None]
@@ -111,7 +116,7 @@ def _frames(entry: AllowTable) -> tuple[tuple[str, str], ...]:
 
 
 def _frame(name: str, path: Path, around: Surroundings) -> str | None:
-    """Return a frame that the file declares; None with a finding."""
+    """Return a frame that the file declares; None for a wrong name, which is reported."""
     file = around.measures.file
     frame = known_frame(name, path, {one: one for one in around.names}, file)
     if frame in ROOTS:

@@ -1,5 +1,5 @@
-"""Read the obstacles of a cell. Zones use these functions too: the keys of each shape, and shapes and places
-in SI.
+"""Read the obstacles of a cell. Zones use these functions too: for the keys of each shape, and for shapes and
+poses in SI units.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ Units = Mapping[Kind, Unit] | None
 
 @frozen
 class Surroundings:
-    """The context in which bodies are read.
+    """The context in which the bodies of a cell.toml are read.
 
     Attributes:
-        measures: units and findings.
+        measures: units of the file, and its findings.
         frames: the resolved frames.
         names: the names of all frames that the file declares, including wrong ones.
         folder: folder of the file.
@@ -48,7 +48,7 @@ class Surroundings:
 
 
 def read_obstacle(table: BodyTable, path: Path, around: Surroundings) -> Obstacle | None:
-    """Return an obstacle; None with findings."""
+    """Read an obstacle of a cell.toml; return None if it has mistakes, which are reported."""
     measures = around.measures
     units = measures.of_entry(table.units, path)
     needed = SIZES[table.shape] if table.shape else ()
@@ -74,12 +74,12 @@ def belong(
     around: Surroundings,
     optional: Sequence[str] = (),
 ) -> bool:
-    """Return True if a table has the keys of its shape or rule, and no keys of another; otherwise report
-    them.
+    """Return True if a TOML table has the keys that its shape or rule needs, and no keys of another shape or
+    rule; otherwise report these keys.
 
     Args:
         table: the table.
-        path: its place.
+        path: path of the table in the file.
         what: the shape, rule or kind.
         needed: the keys that this shape, rule or kind needs.
         every: the keys of all shapes, rules or kinds.
@@ -113,7 +113,7 @@ def _a(what: str) -> str:
 def mounted(
     table: BodyTable | ZoneTable | SensorTable | RackTable, path: Path, units: Units, around: Surroundings
 ) -> Mount | None:
-    """Return the place of a body's origin; None with findings."""
+    """Return the pose of a body's origin; None for a wrong entry, which is reported."""
     pose = around.measures.transform(table, path, units)
     if table.frame is None:
         return None
@@ -127,7 +127,9 @@ def mounted(
 
 
 def sized_shape(table: BodyTable, path: Path, units: Units, around: Surroundings) -> Shape | None:
-    """Return the shape of an obstacle [m] whose required keys are present; None with findings."""
+    """Return the shape of an obstacle [m] whose required keys are present; None for a wrong entry, which
+    is reported.
+    """
     if table.shape == "mesh":
         place = (*path, "file")
         unit = around.measures.factor(units, "length", place)
@@ -139,7 +141,9 @@ def sized_shape(table: BodyTable, path: Path, units: Units, around: Surroundings
 def simple_shape(
     table: BodyTable | ZoneTable, path: Path, units: Units, around: Surroundings
 ) -> SimpleShape | None:
-    """Return a shape that needs no file [m] and whose required keys are present; None with findings."""
+    """Return a box, sphere or other shape that needs no mesh file, in [m], if all its keys are present;
+    otherwise None.
+    """
     measures = around.measures
     first = SIZES[str(table.shape)][0]
     unit = measures.factor(units, "length", (*path, first))

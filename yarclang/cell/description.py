@@ -1,4 +1,4 @@
-"""Read a cell: convert its cell.toml to a `Cell` for a robot, or to findings at its lines.
+"""Read a cell.toml: convert it to a `Cell` for a robot, or to findings at lines of the file.
 
 pydantic is imported only when it is first used.
 """
@@ -35,8 +35,8 @@ _NAME = re.compile(r"[A-Z_][A-Z0-9_]*")
 
 @frozen
 class Names:
-    """What a cell's names are compared with: the language's words, and the names of the robot if it is
-    known.
+    """Names with which the names in a cell.toml must not collide: the language's words, and the names of the
+    robot if it is known.
     """
 
     is_word: IsWord
@@ -44,7 +44,7 @@ class Names:
 
 
 def load_cell(path: FilePath, names: Names) -> Result[Cell]:
-    """Read a cell.toml for the robot of `names`.
+    """Read a cell.toml for a robot.
 
     Args:
         path: path of the file.
@@ -60,16 +60,16 @@ def load_cell(path: FilePath, names: Names) -> Result[Cell]:
 
 
 def read_cell(source: SourceFile, folder: FilePath, names: Names) -> Result[Cell]:
-    """Read the cell that a text describes.
+    """Read the cell that the text of a cell.toml describes.
 
     Args:
-        source: the text of a cell.toml.
-        folder: its folder. Paths of mesh files are relative to it.
+        source: the text.
+        folder: folder of the file. Paths of mesh files are relative to it.
         names: the language's words and the robot. Without a robot, only what doesn't depend on one is
             checked.
 
     Returns:
-        The correct part of the cell, with findings about its mistakes; `places` includes the names of wrong
+        A cell of the correct entries, with findings about the others; `places` includes the names of wrong
         entries. None if the text isn't TOML. Also None without a robot, since joint values need one.
     """
     data = parse_toml(source)
@@ -174,7 +174,7 @@ def _output(variable: str, entry: OutputTable, path: Path, around: Surroundings)
 
 
 def _variable(text: str | None, path: Path, file: TomlFile, robot: Robot | None) -> str | None:
-    """Return the controller's variable of an input or output; None with a finding."""
+    """Return the controller's variable of an input or output; None for a wrong name, which is reported."""
     if text is None:
         return None
     variable = robot.controller.signal(text.upper()) if robot else known_signal(text.upper())
@@ -197,8 +197,8 @@ _WHAT = {
 
 
 def _check_names(file: TomlFile, draft: Draft[CellTable], names: Names) -> None:
-    """Check that names follow the language's rules, and that frames, names for programs, and bodies are
-    unique.
+    """Check that the names in a cell.toml follow the language's rules, and that those of frames, of bodies,
+    and for use in programs are unique.
     """
     from yarclang.cell.frames import FROM_THE_ROBOT
 
@@ -237,7 +237,9 @@ def _check_names(file: TomlFile, draft: Draft[CellTable], names: Names) -> None:
 
 
 def _named(table: CellTable) -> Iterator[tuple[Path, str]]:
-    """Yield the place and the name of everything that has a name, in the order of the tables in the file."""
+    """Yield the path and the name of each named entry in a cell.toml, in the order of the tables in the
+    file.
+    """
     for key in ("frames", "joints", "inputs", "outputs"):
         yield from (((key, name), name) for name in getattr(table, key))
     for key in ("obstacles", "zones", "parts", "tools", "starts"):

@@ -1,5 +1,5 @@
-"""Resolve the frames of a cell. Their chains may be declared in any order; each must end at {B} or
-{FLANGE}.
+"""Resolve the frames of a cell. Frames may be declared in any order; the chain of parents of each must end at
+{B} or {FLANGE}.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ FROM_THE_ROBOT = ("B", "FLANGE", "TCP")
 
 
 def resolve_frames(tables: Mapping[str, FrameTable], measures: Measures) -> dict[str, CellFrame]:
-    """Return the frames by name in upper case, parents first; report chains that don't end at {B} or
-    {FLANGE}.
+    """Return the frames of a cell by name in upper case, parents first; report frames whose chain of parents
+    doesn't end at {B} or {FLANGE}.
 
     Frames with mistakes, and the frames that are given in them, are left out.
     """
@@ -67,12 +67,12 @@ def resolve_frames(tables: Mapping[str, FrameTable], measures: Measures) -> dict
 
 
 def known_frame(name: str, path: Path, frames: Mapping[str, object], file: TomlFile) -> str | None:
-    """Return the name, in upper case, of a frame of the cell or of the robot; None with a finding if there is
-    no such frame.
+    """Return the name, in upper case, of a frame of the cell or of the robot; if there is no such frame,
+    report it and return None.
 
     Args:
         name: the frame's name in any case.
-        path: the place of the name.
+        path: where the name is in the file.
         frames: the frames of the file, by their names in upper case.
         file: findings are added to it.
     """

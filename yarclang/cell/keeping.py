@@ -1,4 +1,6 @@
-"""The rules that motions keep on their whole path (KEEP), and the regions of flange poses that result."""
+"""The path constraints (KEEP rules) that motions must satisfy along their whole path, and the regions of
+allowed flange poses.
+"""
 
 from __future__ import annotations
 
@@ -23,12 +25,12 @@ LEAST_SIGHT = 0.001
 
 @frozen
 class Tilt:
-    """The orientations of the flange at which an axis is near a direction.
+    """The orientations of the flange at which an axis on it is near a direction in space.
 
     Attributes:
         own: the axis in {FLANGE}, of length 1.
         up: the direction in {B}, of length 1.
-        limit: largest angle between them [rad].
+        limit: largest angle between axis and direction [rad].
     """
 
     own: Vector
@@ -37,13 +39,15 @@ class Tilt:
 
     @property
     def numbers(self) -> tuple[float, ...]:
-        """All numbers, in the order in which the map of a controller text states them."""
+        """The region as numbers, in the order in which the map of a controller text (its list of commands)
+        states them.
+        """
         return *self.own, *self.up, 0.0, self.limit
 
 
 @frozen
 class Height:
-    """The poses of the flange at which a point is above a plane.
+    """The poses of the flange at which a point on it is above a plane.
 
     Attributes:
         own: the point in {FLANGE} [m].
@@ -59,21 +63,24 @@ class Height:
 
     @property
     def numbers(self) -> tuple[float, ...]:
-        """All numbers, in the order in which the map of a controller text states them."""
+        """The region as numbers, in the order in which the map of a controller text (its list of commands)
+        states them.
+        """
         return *self.own, *self.up, self.level, self.limit
 
 
 @frozen
 class Sight:
-    """The poses of the flange at which a point is in a cone, at a distance within a range from its apex.
+    """The poses of the flange at which a point is in a cone (such as a camera's field of view), at a distance
+    within a range from the apex of the cone.
 
-    Either the cone is carried, and the point stands still, or the other way round.
+    Either the cone moves with the flange and the point is fixed in {B}, or the other way round.
 
     Attributes:
-        own: the carried one of the two, the apex or the point, in {FLANGE} [m].
-        spot: the other one, which stands still, in {B} [m].
+        own: what moves with the flange, the apex or the point, in {FLANGE} [m].
+        spot: what is fixed, the point or the apex, in {B} [m].
         axis: the axis of the cone, of length 1: in {FLANGE} if the cone is carried, otherwise in {B}.
-        is_carried: True if the cone is carried.
+        is_carried: True if the cone moves with the flange.
         limit: largest angle between the axis and the direction from the apex to the point [rad].
         near: least distance of the point from the apex [m], at least `LEAST_SIGHT`.
         far: largest distance [m]; may be infinite.
@@ -89,7 +96,9 @@ class Sight:
 
     @property
     def numbers(self) -> tuple[float, ...]:
-        """All numbers, in the order in which the map of a controller text states them."""
+        """The region as numbers, in the order in which the map of a controller text (its list of commands)
+        states them.
+        """
         return *self.own, *self.spot, *self.axis, self.limit, self.near, self.far
 
 
@@ -98,7 +107,9 @@ Pointed = Tilt | Sight
 
 
 class Link(Protocol):
-    """A frame with its pose in the next frame towards {B} or {FLANGE}, as `yarclang.hir.FrameLink`."""
+    """A frame's declaration: its pose in a parent frame, which is nearer to {B} or {FLANGE}. The interface of
+    `yarclang.hir.FrameLink`.
+    """
 
     @property
     def name(self) -> str: ...  # noqa: D102
@@ -108,22 +119,26 @@ class Link(Protocol):
 
 @frozen
 class Keep:
-    """A rule for a frame that the robot carries, which motions keep along their whole way.
+    """A path constraint (KEEP rule) for a frame that the robot carries.
 
-    UPRIGHT: the z axis of the frame stays within an angle of the z axis of a frame that stands still. ABOVE:
-    the origin of the frame stays at least a distance above the plane through the x and y axes of a frame that
-    stands still. FACING: the origin of a frame that stands still stays in the cone around the z axis of the
-    frame. SEEN: the origin of the frame stays in the cone around the z axis of a frame that stands still.
+    Each kind relates the carried frame to a fixed frame. UPRIGHT: the z axis of the carried frame stays
+    within
+    an angle of the z axis of the fixed frame. ABOVE: the origin of the carried frame stays at least a
+    distance above the x-y plane of the fixed frame. FACING: the origin of the fixed frame stays in the cone
+    around the z
+    axis of the carried frame. SEEN: the origin of the carried frame stays in the cone around the z axis of
+    the fixed frame.
 
     Attributes:
-        kind: the rule.
+        kind: the kind of the rule.
         frame: name of the carried frame, without braces.
-        of: name of the frame that stands still.
-        region: the poses of the flange at which the rule is kept.
-        carried: the declarations of the carried frame, from which the judge computes `region` again.
-        standing: those of the frame that stands still.
-        of_cell: True if the rule is that of a cell.toml, for all motions: its frames are those of cell or
-            robot.
+        of: name of the fixed frame.
+        region: the poses of the flange at which the rule is satisfied.
+        carried: the declarations of the carried frame, from which the judge (the independent checker of a
+            controller text) computes `region` again.
+        standing: the declarations of the fixed frame.
+        of_cell: True if the rule is in a cell.toml and so applies to all motions: its frames are those of
+            cell or robot.
     """
 
     kind: KeepKind
@@ -136,12 +151,12 @@ class Keep:
 
     @property
     def limit(self) -> float:
-        """The largest angle [rad]; of ABOVE, the least distance [m]."""
+        """The largest angle [rad]; for ABOVE, the least distance [m]."""
         return self.region.limit
 
     @property
     def among(self) -> tuple[str, ...]:
-        """The names of the frame that stands still and of those in which it is given."""
+        """The names of the fixed frame and of its parents."""
         found, link = [self.of], None if self.standing is None else self.standing.parent
         while link is not None:
             found.append(link.name)
@@ -149,8 +164,10 @@ class Keep:
         return tuple(found)
 
     def is_within(self, other: Keep) -> bool:
-        """Return True if every place that keeps to another rule keeps to this one as well, as far as the
-        limits of two rules for the same frames show it.
+        """Return True if this rule is implied by another: every flange pose that satisfies the other rule
+        satisfies this one.
+
+        Only the limits of two rules for the same frames are compared, so False may also mean "not known".
         """
         mine, its = self.region, other.region
         if self.kind != other.kind or not np.allclose(
@@ -183,7 +200,7 @@ class Keep:
 
     @property
     def told(self) -> str:
-        """The rule with all its numbers, as the map of a controller text states it."""
+        """The rule with all its numbers, as the map of a controller text (its list of commands) states it."""
         return f"{self.words} " + " ".join(f"{one + 0.0:.12g}" for one in self.region.numbers)
 
 
@@ -195,15 +212,15 @@ def region_of(
     near: float = LEAST_SIGHT,
     far: float = np.inf,
 ) -> Tilt | Height | Sight:
-    """Return the region of a rule.
+    """Return the region of flange poses that satisfy a path constraint (KEEP rule).
 
     Args:
-        kind: of the rule.
-        carried: flange_from_frame (4, 4) [m].
-        standing: base_from_frame (4, 4) [m].
-        limit: largest angle [rad]; of ABOVE, least distance [m].
-        near: FACING and SEEN: least distance [m].
-        far: FACING and SEEN: largest distance [m].
+        kind: kind of the rule.
+        carried: flange_from_frame (4, 4) [m] of the frame on the robot.
+        standing: base_from_frame (4, 4) [m] of the fixed frame.
+        limit: largest angle [rad]; for ABOVE, least distance [m].
+        near: for FACING and SEEN, least distance [m].
+        far: for FACING and SEEN, largest distance [m].
     """
     own, spot = _vector(carried[:3, 3]), _vector(standing[:3, 3])
     axis, up = _vector(carried[:3, 2]), _vector(standing[:3, 2])

@@ -1,4 +1,4 @@
-"""Convert numbers of a cell.toml to SI: the units of an entry, and transforms."""
+"""Convert numbers of a cell.toml to SI: the units of an entry, and its pose as a transform."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from yarclang.units import UNITS, Kind, Unit, units_of
 
 @dataclass(slots=True)
 class Measures:
-    """The units of a file, and findings about them."""
+    """The units of a cell.toml, and the findings about them."""
 
     file: TomlFile
     common: Mapping[Kind, Unit] = field(default_factory=dict)
@@ -35,15 +35,15 @@ class Measures:
         self.common, self.doubtful = found or {}, found is None
 
     def of_entry(self, text: str | None, path: Path) -> Mapping[Kind, Unit] | None:
-        """Return the units that apply to the table at `path`; None with a finding if the table's own units
-        can't be read.
+        """Return the units that apply to the TOML table at `path`: its own, and for other kinds those of
+        the file. None if the table's own units can't be read, which is reported.
         """
         own = self._parsed(text, (*path, "units"))
         return None if own is None else {**self.common, **own}
 
     def factor(self, units: Mapping[Kind, Unit] | None, kind: Kind, path: Path) -> float | None:
-        """Return the factor that converts the value at `path` to SI; None with a finding if there is no
-        unit.
+        """Return the factor that converts the value at `path` to SI; None if the file gives no unit for
+        it, which is reported.
         """
         if units is None:
             return None
@@ -60,7 +60,9 @@ class Measures:
         return None
 
     def transform(self, placed: Placed, path: Path, units: Mapping[Kind, Unit] | None) -> Array | None:
-        """Return the pose of an entry in its frame, as a transform (4, 4) [m]; None with findings."""
+        """Return the pose of an entry in its frame, as a transform (4, 4) [m]; None for a wrong entry,
+        which is reported.
+        """
         made, sound = np.eye(4), True
         if placed.rpy is not None and placed.quat is not None:
             message = f"{table_name(path)} has rpy and quat: two orientations."
@@ -91,8 +93,8 @@ class Measures:
         return constant(made) if sound else None
 
     def told(self, placed: Placed, units: Mapping[Kind, Unit] | None) -> Array:
-        """Return the numbers of a correct place as written, in SI: x y z and roll pitch yaw (6,), or x
-        y z and qx qy qz qw (7,).
+        """Return the pose of an entry without mistakes as numbers in SI units, in the form in which it is
+        written: x y z and roll pitch yaw (6,), or x y z and qx qy qz qw (7,).
         """
         known = units or {}
         length, angle = (known[kind].factor if kind in known else 1.0 for kind in ("length", "angle"))
@@ -110,7 +112,7 @@ class Measures:
         return False
 
     def _parsed(self, text: str | None, path: Path) -> dict[Kind, Unit] | None:
-        """Return the units of a text such as "mm,deg"; None with a finding."""
+        """Return the units of a text such as "mm,deg"; None for a wrong text, which is reported."""
         found: dict[Kind, Unit] = {}
         for name in (text or "").split(",") if text is not None else ():
             unit = UNITS.get(name.strip().lower())

@@ -1,4 +1,4 @@
-"""Define a cell as the later stages use it: plain data in SI units, already checked, for one robot.
+"""The model of a robot cell that the compiler uses: plain data in SI units, already checked, for one robot.
 
 `yarclang.cell.description` creates it from a cell.toml. Arrays are float64 and read-only. Transforms are
 named so that neighbouring names cancel: `base_from_x` maps coordinates of x to the robot's {B},
@@ -28,7 +28,7 @@ PARTS = ("tool", "tcp", "elbow", "arm")
 
 @frozen(eq=False)
 class Mount:
-    """The place of an object: `transform` (4, 4) [m] is base_from_object, or flange_from_object if
+    """Where an object is fixed: `transform` (4, 4) [m] is base_from_object, or flange_from_object if
     `on_flange`.
     """
 
@@ -42,8 +42,8 @@ class Mount:
 
 @frozen(eq=False)
 class CellFrame:
-    """A frame of the cell: its place in its parent, `parent_from_frame` (4, 4) [m], and the resulting
-    `mount`.
+    """A frame of the cell: its pose `parent_from_frame` (4, 4) [m] in its parent, and its resulting pose
+    `mount` in {B} or {FLANGE}.
 
     `parent` is B, FLANGE, or the name of another frame of the cell.
     """
@@ -61,15 +61,16 @@ class CellFrame:
 
 @frozen(eq=False)
 class Grip:
-    """The effect of an output that moves a gripper.
+    """The gripper that an output closes and opens.
 
     Attributes:
         value: value of the output that closes the gripper; any other value opens it.
-        flange_from_grip: (4, 4) origin of the gripper [m].
-        reach: a gripper that closes takes the part nearest to its origin if the distance is at most this [m].
+        flange_from_grip: (4, 4) pose of the gripper's frame [m].
+        reach: a gripper that closes takes the workpiece nearest to this frame's origin if the distance is at
+            most this [m].
         frame: name of the gripper's frame.
         tool: the tool to which the gripper belongs, if that tool can be changed.
-        changes: True for the lock of a tool changer, which holds tools instead of parts.
+        changes: True for the lock of a tool changer, which holds tools instead of workpieces.
     """
 
     frame: str
@@ -82,10 +83,10 @@ class Grip:
 
 @frozen(eq=False)
 class Removal:
-    """The effect of an output with which a machine removes parts.
+    """The effect of an output with which a machine removes workpieces.
 
-    At `value`, parts within `reach` [m] of the place `base_from_place` (4, 4) [m] in the cell are removed.
-    `frame` is the name of the place's frame.
+    When the output gets `value`, workpieces within `reach` [m] of the place `base_from_place` (4, 4) [m] in
+    the cell are removed. `frame` is the name of the place's frame.
     """
 
     frame: str
@@ -98,7 +99,7 @@ class Removal:
 class CellOutput:
     """An output: the controller's variable, and its value after any stop, hold or fault (None: unchanged).
 
-    `grip` is set if the output moves a gripper, `removal` if the output makes a machine remove parts.
+    `grip` is set if the output moves a gripper, `removal` if the output makes a machine remove workpieces.
     """
 
     variable: str
@@ -109,8 +110,8 @@ class CellOutput:
 
 @frozen(eq=False)
 class Weight:
-    """The distribution of a body's mass: its centre (3,) [m] and the inertia about this centre (3, 3) [kg
-    m^2], both in the body's frame.
+    """The mass distribution of a body: its centre of mass (3,) [m], and its inertia (3, 3) [kg m^2] about
+    this centre, both in the body's frame.
     """
 
     center: Array
@@ -122,13 +123,13 @@ class Obstacle:
     """A body that the robot must not touch or, with a mount on the flange, a body that the robot carries.
 
     Attributes:
-        margin: distance that everything else keeps from it [m].
-        is_part: True for a part that grippers take.
-        mass: mass of a part [kg]; None if it isn't known.
-        is_sure: False for a part that may be at this place or at another one, depending on decisions at run
-            time.
+        margin: distance that other bodies must keep from it [m].
+        is_part: True for a workpiece that grippers take.
+        mass: mass of a workpiece [kg]; None if it isn't known.
+        is_sure: False for a workpiece that may be at this place or at another one, depending on decisions at
+            run time.
         of_tool: True for a body of a tool that can be changed.
-        weight: distribution of its mass, if it isn't that of the shape.
+        weight: distribution of the mass, if it doesn't follow from the shape.
     """
 
     name: str
@@ -147,9 +148,9 @@ class RackTool:
     """A tool of the robot that is taken from its place in a rack, and put back there.
 
     Attributes:
-        place: base_from_flange (4, 4) [m] where the robot takes it and puts it back.
-        flange_from_body: its first body on the flange (4, 4) [m].
-        more: its other bodies: body_from_shape (4, 4) [m], and the shape.
+        place: base_from_flange (4, 4) [m] where the robot takes the tool and puts it back.
+        flange_from_body: (4, 4) pose of the tool's first body on the flange [m].
+        more: the tool's other bodies: body_from_shape (4, 4) [m], and the shape.
         frames: the frames on the flange that exist only while the tool is there, in alphabetical order.
         lock: the variable of the changer's output.
         grippers: the variables of the outputs of the grippers that belong to the tool.
@@ -166,18 +167,18 @@ class RackTool:
 
     @property
     def base_from_body(self) -> Array:
-        """The place of the first body while the tool is in the rack (4, 4) [m]."""
+        """The pose of the tool's first body in {B} while the tool is in the rack (4, 4) [m]."""
         placed: Array = self.place.transform @ self.flange_from_body
         return placed
 
 
 @frozen(eq=False)
 class Part:
-    """A body that grippers take and put down. `body` is its place when a program starts.
+    """A kind of workpiece: a body that grippers take and put down. `body` is at its initial place.
 
-    `count` parts of the kind come one after the other: the next part is at this place as soon as the previous
-    one has been taken away. `frame` is the name of the frame in which the place is given. `rack` is set for a
-    tool that a changer takes; `body` is then the first body of the tool.
+    `count` workpieces of the kind come one after the other: the next one is at the initial place as soon as
+    the previous one has been taken away. `frame` is the name of the frame in which the place is given. `rack`
+    is set for a tool that a tool changer takes; `body` is then the first body of the tool.
     """
 
     body: Obstacle
@@ -190,7 +191,7 @@ class Part:
 class Touch:
     """Two bodies whose distance may be smaller than their margins, down to `least` [m].
 
-    `other` is None for everything on the flange. If `least` is minus infinity, they may overlap.
+    `other` is None for everything on the flange. If `least` is minus infinity, the two bodies may overlap.
     """
 
     part: str
@@ -200,13 +201,13 @@ class Touch:
 
 @frozen
 class CellAllowance:
-    """Two bodies that may touch during motions that lead to a frame, or that leave it.
+    """A pair of bodies that may touch during motions that lead to a frame, or that leave it.
 
     Attributes:
         first: name of one body, in upper case.
         second: name of the other body, in alphabetical order after the first.
-        leads_to: the frame in which the goals of the motions are given; empty for none.
-        leaves: the frame to which the previous motion has led; empty for none.
+        leads_to: the frame in which the goals of the motions are given; empty if any.
+        leaves: the frame in which the goal of the previous motion is given; empty if any.
         line: line of the entry in the cell's file.
     """
 
@@ -219,10 +220,11 @@ class CellAllowance:
 
 @frozen
 class Item:
-    """A part at its place or, if `is_sure` is False, at a possible place.
+    """A workpiece or tool at its current place or, if `is_sure` is False, at a possible place.
 
     `pose` has the bytes of a transform (4, 4) [m]: base_from_part, or flange_from_part if a gripper holds the
-    part. `gripper` is then the variable of the gripper's output. `number` counts the parts of a kind from 1.
+    workpiece. `gripper` is then the variable of the gripper's output. `number` counts the workpieces of a
+    kind from 1.
     """
 
     part: Part
@@ -233,7 +235,7 @@ class Item:
 
     @property
     def name(self) -> str:
-        """The part's name in messages: BOX, or BOX 3 if several come one after the other."""
+        """The workpiece's name in messages: BOX, or BOX 3 if several come one after the other."""
         return f"{self.part.body.name} {self.number}" if self.part.count > 1 else self.part.body.name
 
     @property
@@ -243,7 +245,9 @@ class Item:
 
     @property
     def solids(self) -> tuple[tuple[Array, Shape], ...]:
-        """Its shapes, each with its pose (4, 4) [m]: in {B}, or in {FLANGE} if a gripper holds it."""
+        """The workpiece's shapes, each with its pose (4, 4) [m]: in {B}, or in {FLANGE} if a gripper holds
+        it.
+        """
         own = self.transform
         more = () if self.part.rack is None else self.part.rack.more
         return (own, self.part.body.shape), *((own @ placed, shape) for placed, shape in more)
@@ -251,8 +255,8 @@ class Item:
 
 @frozen
 class Expected:
-    """A part that comes when the previous one has been taken away: part `number` of a kind, after the SET at
-    step `taken`.
+    """A workpiece that comes when the previous one has been taken away: number `number` of its kind, after
+    the SET at step `taken`.
     """
 
     part: Part
@@ -262,8 +266,8 @@ class Expected:
 
 @frozen
 class Parts:
-    """The places of the parts, the grippers that are sure to be closed (by the variables of their outputs),
-    and the parts that are still to come.
+    """A state of the cell's workpieces: their places, the grippers that are certainly closed (by the
+    variables of their outputs), and the workpieces that are still to come.
     """
 
     items: tuple[Item, ...]
@@ -271,7 +275,7 @@ class Parts:
     expected: tuple[Expected, ...] = ()
 
     def held(self, gripper: str | None = None) -> tuple[Item, ...]:
-        """Return the parts that a gripper holds; for None, the parts that any gripper holds."""
+        """Return the workpieces that a gripper holds; for None, those that any gripper holds."""
         return tuple(one for one in self.items if one.gripper is not None and gripper in (None, one.gripper))
 
     @property
@@ -282,10 +286,10 @@ class Parts:
 
 @frozen
 class Leaving:
-    """A gripper that has taken or put down parts, and hasn't moved away from them yet.
+    """A gripper that has taken or put down workpieces, and hasn't moved away from them yet.
 
-    `moved` are the names of the parts, `closes` is True if it took them, `touches` are the bodies that may
-    touch until it has moved away.
+    `moved` are the names of the workpieces, `closes` is True if the gripper took them, `touches` are the
+    bodies that may touch until it has moved away.
     """
 
     moved: tuple[str, ...]
@@ -295,10 +299,10 @@ class Leaving:
 
 @frozen
 class Present:
-    """The parts of a cell when a program starts, if their places aren't those in the cell's file.
+    """The state of the workpieces when a program starts, if their places aren't those in the cell's file.
 
-    `leaving` are the grippers that are still at the parts that they took or put down. `goes_on` is True for a
-    line of a session, after which another line may close or open a gripper.
+    `leaving` are the grippers that are still at the workpieces that they took or put down. `goes_on` is True
+    for a line of a terminal session, after which another line may close or open a gripper.
     """
 
     parts: Parts
@@ -310,8 +314,9 @@ class Present:
 class Sensor:
     """A sensor that sets an input.
 
-    The input is ON while a part or the robot is in the sensor's `region`, placed at `mount`, or while the
-    gripper of the output `gripper` (a controller's variable) holds a part. With `inverted`, it is OFF then.
+    The input is ON while a workpiece or the robot is in the sensor's `region`, placed at `mount`, or while
+    the gripper of the output `gripper` (a controller's variable) holds a workpiece. With `inverted`, it is
+    OFF then.
     """
 
     input: str
@@ -343,8 +348,8 @@ class HalfSpace:
 
     @property
     def base_from_plane(self) -> Array:
-        """A frame (4, 4) [m] on the border. Its z axis is the normal, and its origin is the border's point
-        nearest to the origin of {B}.
+        """A frame (4, 4) [m] on the border plane. Its z axis is the normal, and its origin is the point of
+        the plane nearest to the origin of {B}.
         """
         placed = np.eye(4)
         # choose any two directions perpendicular to the normal
@@ -357,8 +362,8 @@ class HalfSpace:
 
 @frozen(eq=False)
 class JointWindow:
-    """The joint positions from `lower` (n,) to `upper` (n,) [rad or m]. The bounds are infinite for joints
-    that the window doesn't limit.
+    """The joint positions from `lower` (n,) to `upper` (n,) [rad or m]. Both bounds are infinite for a joint
+    that isn't limited.
     """
 
     lower: Array
@@ -367,8 +372,8 @@ class JointWindow:
 
 @frozen(eq=False)
 class StartZone:
-    """Joint positions from which a robot may move to the start of a program without an order of the user.
-    This motion is also planned and proved.
+    """A range of joint positions from which the robot may move to a program's start without an order of the
+    user. This motion is also planned and proved.
     """
 
     name: str
@@ -382,7 +387,7 @@ Unplaced = JointWindow | Pointed
 
 @frozen(eq=False)
 class Zone:
-    """A region with a rule for what it watches.
+    """A region of space, joint positions or flange poses, with a rule for the bodies that it watches.
 
     The rules are `allowed`: stay inside; `forbidden`: stay outside; `slow`: inside, no faster than `speed`
     [m/s]; `posture`: while anything watched is inside, the joints stay in the window `posture`. `speed` and
@@ -395,7 +400,7 @@ class Zone:
     Everything watched keeps `margin` [m] from the border of an allowed or forbidden zone; slow and posture
     zones begin `margin` before their border. If the region is a joint window and the rule is `allowed` or
     `forbidden`, only the joints are watched. If the region is a `Tilt` or a `Sight`, the rule is `allowed`,
-    and the pose of the flange is watched. `keep` is the rule from which the zone was created.
+    and the pose of the flange is watched. `keep` is the path constraint from which the zone was created.
     """
 
     name: str
@@ -409,7 +414,7 @@ class Zone:
 
     @staticmethod
     def of(keep: Keep) -> Zone:
-        """Return the zone of a rule."""
+        """Return the zone that a path constraint (KEEP rule) defines."""
         name, region = f"KEEP {keep.words}", keep.region
         if not isinstance(region, Height):
             return Zone(name, "allowed", region, watch=(), keep=keep)
@@ -420,18 +425,18 @@ class Zone:
 
 @frozen(eq=False)
 class Cell:
-    """A cell for a robot: names for programs, and bodies and zones in the order of the file.
+    """A cell for a robot: names for programs, and bodies and zones in the order of the cell's file.
 
     Names are in upper case. `frames` has parents before their children; `joints` are joint positions (n,)
     [rad or m]; `inputs` are the controller's variables. `places` has the place of a name in `source`, by the
     table (frames, joints, inputs, outputs) and the name; `zone_places` has the places of the zones' names.
 
-    `parts` are the bodies that grippers take. The collision check ignores `parts`. For each instant of a
-    program there is another cell (`yarclang.handling.surroundings`), in which parts are obstacles. In this
-    cell, `touches` are the bodies that may touch each other when parts are taken and put down, and `allowed`
-    are the bodies that the program or an entry of `allowances` allows to touch: pairs of names in upper case,
-    each in alphabetical order. `present` has the places of the parts when a program starts; None for the
-    places in the file.
+    `parts` are the workpieces that grippers take. The collision check ignores `parts`. For each instant of a
+    program there is another cell (`yarclang.handling.surroundings`), in which workpieces are obstacles. In
+    this other cell, `touches` are the bodies that may touch each other when workpieces are taken and put
+    down, and `allowed` are the bodies that the program or an entry of `allowances` allows to touch: pairs of
+    names in upper case, each in alphabetical order. `present` is the state of the workpieces when a program
+    starts; None for the places in the file.
 
     `starts` are the joint positions from which a robot may move to the start of a program by itself.
     """
@@ -455,7 +460,7 @@ class Cell:
 
     @property
     def rules(self) -> tuple[Keep, ...]:
-        """The rules to which all motions keep."""
+        """The path constraints that all motions must satisfy (`[[keep]]`)."""
         return tuple(zone.keep for zone in self.zones if zone.keep is not None)
 
     @property
@@ -465,7 +470,7 @@ class Cell:
 
     @property
     def removals(self) -> Mapping[str, Removal]:
-        """The machines that remove parts, by the variables of their outputs."""
+        """The machines that remove workpieces, by the variables of their outputs."""
         return {one.variable: one.removal for one in self.outputs.values() if one.removal is not None}
 
     @property

@@ -1,4 +1,4 @@
-"""Read the parts of a cell, and the outputs that take, put down or remove them."""
+"""Read the workpieces of a cell, and the outputs that take, put down or remove them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ REACH = 0.010
 
 
 def read_part(table: PartTable, path: Path, around: Surroundings) -> Part | None:
-    """Return a part; None with findings."""
+    """Read a workpiece of a cell.toml; return None if it has mistakes, which are reported."""
     body = read_obstacle(table, path, around)
     if body is None:
         return None
@@ -32,7 +32,9 @@ def read_part(table: PartTable, path: Path, around: Surroundings) -> Part | None
 
 
 def read_grip(table: OutputTable, path: Path, around: Surroundings) -> Grip | Removal | None:
-    """Return the effect of an output on parts; None if it has none, or with findings."""
+    """Return the gripper that an output moves, or the machine that removes workpieces; None for other
+    outputs, and for wrong entries, which are reported.
+    """
     file = around.measures.file
     if table.locks_at is not None:
         return read_lock(table, path, around)

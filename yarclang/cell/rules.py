@@ -1,4 +1,4 @@
-"""Read the rules of a cell to which all motions keep: `[[keep]]`."""
+"""Read the path constraints that a cell sets for all motions: `[[keep]]`."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ _KINDS: Mapping[str, tuple[KeepKind, tuple[str, ...], tuple[str, ...]]] = {
 
 
 def read_rules(table: CellTable, around: Surroundings) -> dict[str, tuple[Zone, int]]:
-    """Return the zones of the entries of `[[keep]]` that are without mistakes, by their names, each with the
-    number of its entry; report the others.
+    """Read the path constraints of a cell.toml (`[[keep]]`): return a zone for each correct entry, by the
+    zone's name and with the entry's number; report the other entries.
     """
     found: dict[str, tuple[Zone, int]] = {}
     for at, entry in enumerate(table.keep):
@@ -74,7 +74,9 @@ def _read(entry: KeepTable, path: Path, around: Surroundings) -> Keep | None:
 
 
 def _frame(name: str | None, path: Path, around: Surroundings) -> tuple[str, Mount | None] | None:
-    """Return the name of a frame in upper case, and its place if that is known; None with a finding."""
+    """Return the name in upper case of the frame that a rule names, and the frame's pose if it is known;
+    None for a wrong name, which is reported.
+    """
     if name is None:
         return None
     robot = around.robot
@@ -92,7 +94,9 @@ def _frame(name: str | None, path: Path, around: Surroundings) -> tuple[str, Mou
 
 
 def _limits(entry: KeepTable, path: Path, kind: KeepKind, around: Surroundings) -> tuple[float, ...] | None:
-    """Return the limit of a rule [rad or m], and its range of distances [m]; None with findings."""
+    """Return the limits of a path constraint: the angle [rad] or distance [m] and, for a cone, the range
+    of distances from its apex [m]. None for wrong limits, which are reported.
+    """
     measures, file = around.measures, around.measures.file
     units = measures.of_entry(entry.units, path)
     if kind == "ABOVE":

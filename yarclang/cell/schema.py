@@ -1,4 +1,4 @@
-"""Define the form of a cell.toml: its tables, keys and types, in the units that it names.
+"""The schema of a cell.toml as pydantic models: its tables, keys and types, in the units that the file names.
 
 This module imports pydantic; import it late.
 """
@@ -237,8 +237,8 @@ class CellTable(Document):
 
 
 def spelled_out(data: dict[str, Any]) -> dict[str, Any]:
-    """Return the data of a file with its short forms written out: READY = [...], DOOR = "M11", safe =
-    "OFF".
+    """Expand the short forms in the data of a cell.toml (READY = [...], DOOR = "M11", safe = "OFF"), and
+    return the result.
     """
     made = dict(data)
     for key, inner in (("joints", "values"), ("inputs", "variable"), ("outputs", "variable")):

@@ -34,11 +34,11 @@ def read_sensor(
     inputs: Mapping[str, str],
     outputs: Mapping[str, CellOutput],
 ) -> Sensor | None:
-    """Return a sensor; None with findings.
+    """Read a sensor of a cell.toml; return None if it has mistakes, which are reported.
 
     Args:
-        table: its table.
-        path: its place.
+        table: table of the sensor.
+        path: path of the table in the file.
         around: units, frames and findings.
         inputs: the controller's variables of the cell's inputs, by their names in upper case.
         outputs: the cell's outputs, by their names in upper case.
@@ -86,8 +86,8 @@ def _vacuum(
 def _beam(
     table: SensorTable, path: Path, variable: str, mount: Mount, units: Units, around: Surroundings
 ) -> Sensor | None:
-    """Return a light beam from the point x y z of its frame straight to `to` in the same frame; None with
-    findings.
+    """Return a light beam as a thin body, from the point `xyz` of the sensor's frame straight to the point
+    `to` in the same frame; None for a wrong entry, which is reported.
     """
     measures = around.measures
     unit = measures.factor(units, "length", (*path, "to"))
@@ -106,7 +106,7 @@ def _beam(
 
 
 def _along(mount: Mount, way: Array) -> Array:
-    """Return the pose (4, 4) of the middle of a vector (3,) that begins at a mount. Its z axis is along
+    """Return the pose (4, 4) at the middle of a vector (3,) [m] that begins at a mount, with the z axis along
     the vector.
     """
     z = way / np.linalg.norm(way)

@@ -1,5 +1,5 @@
-"""Read start zones of a cell: joint positions from which a robot may move to the start of a program without
-an order of the user.
+"""Read start zones of a cell: ranges of joint positions from which a robot may move to the start of a program
+without an order of the user.
 """
 
 from __future__ import annotations
@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 
 
 def read_start(table: StartTable, path: Path, measures: Measures, robot: Robot | None) -> StartZone | None:
-    """Return a start zone; None with findings, or if the robot isn't known.
+    """Read a start zone of a cell.toml; return None if it has mistakes, which are reported, or if the robot
+    isn't known.
 
     Every joint must be named. If a joint could be omitted, the robot might move from any position of this
     joint, although nobody has checked these positions.
@@ -48,8 +49,8 @@ def read_start(table: StartTable, path: Path, measures: Measures, robot: Robot |
 
 
 def start_zone(cell: Cell | None, q: Array) -> StartZone | None:
-    """Return the start zone of a cell that contains the joint position `q` (n,) [rad or m]; None if none
-    does.
+    """Return the start zone of a cell that contains the joint positions `q` (n,) [rad or m]; None if there
+    is none.
     """
     for one in () if cell is None else cell.starts:
         if bool(((one.window.lower <= q) & (q <= one.window.upper)).all()):

@@ -1,4 +1,4 @@
-"""Read the tools of a cell that the robot changes: their places, and the lock of the changer."""
+"""Read the tools of a cell that the robot changes: their places in the rack, and the lock of the changer."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ isn't modelled.
 
 
 def read_lock(table: OutputTable, path: Path, around: Surroundings) -> Grip | None:
-    """Return the effect of a tool changer's lock; None with findings."""
+    """Return the lock of a tool changer that an output moves; None for a wrong entry, which is reported."""
     file = around.measures.file
     for key in ("grips", "grips_at", "removes", "removes_at", "tool"):
         if getattr(table, key) is not None:
@@ -62,7 +62,9 @@ def read_lock(table: OutputTable, path: Path, around: Surroundings) -> Grip | No
 
 
 def tool_of(name: str, path: Path, around: Surroundings) -> str | None:
-    """Return the name, in upper case, of a tool that can be changed; None with a finding."""
+    """Return the name, in upper case, of a tool that can be changed; None for a wrong name, which is
+    reported.
+    """
     if name.upper() in around.tools:
         return name.upper()
     message = f"tool is {name[:40]}, which isn't one of the [[tools]] of this file."
@@ -73,8 +75,11 @@ def tool_of(name: str, path: Path, around: Surroundings) -> str | None:
 
 
 def own_frame(name: str, table: OutputTable, around: Surroundings) -> Mount | None:
-    """Return the place of a frame of the robot that a gripper of a changed tool may name; None for other
-    frames and grippers. Without a robot, any such frame is assumed to be one of the robot.
+    """Return the pose of a frame of the robot, for an output that moves a gripper of a changeable tool. Only
+    such an output may name a frame of robot.toml.
+
+    Return None for other outputs and for unknown frames. Without a robot, any frame that the cell doesn't
+    declare is assumed to be the robot's.
     """
     robot = around.robot
     if table.tool is None or name.upper() in around.names:
@@ -88,11 +93,12 @@ def own_frame(name: str, table: OutputTable, around: Surroundings) -> Mount | No
 def read_tools(
     table: CellTable, outputs: Mapping[str, CellOutput], around: Surroundings
 ) -> list[Part | None]:
-    """Return the tools of a file that can be changed, as parts; None for tools with findings.
+    """Return the tools of a cell.toml that can be changed, in the form of workpieces; None for each tool with
+    mistakes, which are reported.
 
     Args:
-        table: the file.
-        outputs: its outputs, by name in upper case.
+        table: data of the file.
+        outputs: outputs of the cell, by name in upper case.
         around: units, frames, the robot, and findings.
     """
     file = around.measures.file
@@ -201,7 +207,9 @@ def _tool_named(name: str, path: Path, around: Surroundings, robot: Robot) -> To
 def _frames_of(
     table: RackTable, path: Path, tool: Tool, around: Surroundings, robot: Robot
 ) -> tuple[str, ...] | None:
-    """Return the frames on the flange that exist only while a tool is there; None with findings."""
+    """Return the frames on the flange that exist only while a tool is there; None for a wrong entry, which
+    is reported.
+    """
     own = {*_own_frame(tool)}
     hanging = {name for name, one in around.frames.items() if one.mount.on_flange}
     known = (hanging | {*robot.flange_from_frame}) - {"FLANGE"}

@@ -22,8 +22,8 @@ Units = Mapping[Kind, Unit] | None
 def joint_position(
     name: str, values: Sequence[float], path: Path, units: Units, measures: Measures, robot: Robot | None
 ) -> Array | None:
-    """Return a joint position (n,) [rad or m] within the limits of a robot; None with findings, or without a
-    robot.
+    """Read a joint position (n,) [rad or m], and check it against the limits of the robot. Return None with
+    findings, or without a robot.
 
     Without a robot only the units are checked: there must be a unit of angle or of length.
     """
@@ -56,7 +56,7 @@ def joint_position(
 def joint_window(
     joints: Mapping[str, Sequence[float]], path: Path, units: Units, measures: Measures, robot: Robot | None
 ) -> JointWindow | None:
-    """Return the joint window of a zone; None with findings, or without a robot."""
+    """Return the joint window of a zone; None for a wrong entry, which is reported, or without a robot."""
     sound = bool(joints)
     if not joints:
         measures.file.say("Y1308", path, "The joint window names no joint.", "Write { J1 = [-90, 90] }.")

@@ -44,7 +44,9 @@ _RULES: Mapping[str, tuple[str, ...]] = {
 
 
 def read_zone(table: ZoneTable, path: Path, around: Surroundings) -> Zone | None:
-    """Return a zone; None with findings, or if it depends on a robot that isn't known."""
+    """Read a zone of a cell.toml; return None if it has mistakes, which are reported, or if the zone
+    depends on a robot that isn't known.
+    """
     measures = around.measures
     units = measures.of_entry(table.units, path)
     is_shaped, is_ruled = _has_keys_of_shape(table, path, around), _has_keys_of_rule(table, path, around)
@@ -109,7 +111,9 @@ def _too_thin(zone: Zone) -> tuple[str, str] | None:
 
 
 def _has_keys_of_shape(table: ZoneTable, path: Path, around: Surroundings) -> bool:
-    """Return True if a zone has the keys of its shape, and no keys of another; otherwise report them."""
+    """Return True if a zone has the keys that its shape needs, and no keys of other shapes; otherwise report
+    the wrong keys.
+    """
     if table.shape is None:
         return False
     if table.rule == "posture" and table.shape == "joints":
@@ -132,7 +136,9 @@ def _has_keys_of_shape(table: ZoneTable, path: Path, around: Surroundings) -> bo
 
 
 def _has_keys_of_rule(table: ZoneTable, path: Path, around: Surroundings) -> bool:
-    """Return True if a zone has the keys of its rule, and no keys of another; otherwise report them."""
+    """Return True if a zone has the keys that its rule needs, and no keys of other rules; otherwise report
+    the wrong keys.
+    """
     if table.rule is None:
         return False
     every = ("speed", "joints") if table.rule == "posture" else ("speed",)
@@ -140,7 +146,7 @@ def _has_keys_of_rule(table: ZoneTable, path: Path, around: Surroundings) -> boo
 
 
 def _region(table: ZoneTable, path: Path, units: Units, around: Surroundings) -> Region | None:
-    """Return the region of a zone in {B}, or in joint space; None with findings."""
+    """Return the region of a zone in {B}, or in joint space; None for a wrong entry, which is reported."""
     measures = around.measures
     if table.shape == "joints" and table.joints is not None:
         return joint_window(table.joints, (*path, "joints"), units, measures, around.robot)
@@ -174,7 +180,9 @@ def _half_space(
 
 
 def _watched(names: Sequence[str] | None, path: Path, around: Surroundings) -> tuple[str, ...] | None:
-    """Return what a zone watches; None with findings."""
+    """Return the names of the bodies and points that a zone watches; None for a wrong entry, which is
+    reported.
+    """
     if names is None:
         return ("tool",)
     file, robot = around.measures.file, around.robot
@@ -200,7 +208,9 @@ _FOR_EXAMPLE = 'watch = ["tool", "elbow"]'
 
 
 def _unknown(part: str, robot: Robot, links: Mapping[str, None]) -> tuple[str, str, Name] | None:
-    """Return the reason why a robot has no such part, the remedy, and the part; None if the robot has it."""
+    """Return why a robot lacks the body or point that a zone watches, the remedy, and the name; None if the
+    robot has it.
+    """
     if part == "elbow":
         if elbow_of(robot.chain) is None:
             return f"{robot.name} has no elbow.", "Name the links that shall be watched.", Name(part)

@@ -15,7 +15,8 @@ from yarclang.named import by_name
 
 @cache
 def commands() -> Mapping[str, CommandSpec]:
-    """Return the commands with suffixes, values and times by name, in alphabetic order.
+    """Return the motions and other commands of the language that have a `CommandSpec`, by name, in alphabetic
+    order.
 
     Raises:
         NamedTwice: two commands share a name, or one has the old name of another.
@@ -25,10 +26,10 @@ def commands() -> Mapping[str, CommandSpec]:
 
 @cache
 def actions() -> Mapping[str, ActionSpec]:
-    """Return the actions by name, in alphabetic order.
+    """Return the actions (commands without motion) by name, in alphabetic order.
 
     Raises:
-        NamedTwice: two commands share a name, or one has the old name of another.
+        NamedTwice: two commands or actions share a name, or one has the old name of another.
     """
     return MappingProxyType({name: spec for name, spec in _found().items() if isinstance(spec, ActionSpec)})
 

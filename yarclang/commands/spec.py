@@ -18,7 +18,7 @@ from yarclang.words.spec import Slot
 
 
 class Values(Enum):
-    """Kind of the values between two semicolons."""
+    """The kind of the values that a command takes between two semicolons."""
 
     JOINTS = "joint values"
     JOINT_DELTAS = "joint increments"
@@ -54,7 +54,7 @@ class Values(Enum):
         return ("x", "y", "z", "roll", "pitch", "yaw")
 
     def kinds(self, joint_kinds: tuple[Kind, ...]) -> tuple[Kind | None, ...]:
-        """Return the kind of unit of each value; None for a plain number.
+        """Return the kind of unit (length, angle) of each value of a command; None for a plain number.
 
         Args:
             joint_kinds: kind of unit of each joint value.
@@ -70,12 +70,12 @@ class Values(Enum):
 
 @frozen(eq=False)
 class Timed:
-    """The timetable of a motion.
+    """The timetable that a motion command gives.
 
     Attributes:
         table: times and positions of the way-points.
         within: (n,) tolerance of the joints [rad or m].
-        stretch: factor of all times.
+        stretch: factor that multiplies all times.
         file: path of the file with the rows; empty if the rows are in the program.
     """
 
@@ -87,15 +87,15 @@ class Timed:
 
 @frozen
 class Arguments:
-    """A checked command in SI: the argument of its `build`.
+    """A checked motion command in SI units: the argument of the `build` function of its `CommandSpec`.
 
     Attributes:
         origin: the command.
         goals: for each way-point a JointGoal, JointDelta, PoseGoal or PoseDelta, depending on the target in
             the command's name. The name of a joint position gives a JointGoal; a position is an array (3,) in
             {B} [m].
-        profile: name of the profile.
-        timing: its motion time.
+        profile: name of the time profile.
+        timing: motion time, or how to choose it.
         tolerance: TOL [m]; None without it.
         blend: BLEND; None without it.
         avoids: True if the name has _AVOID.
@@ -116,23 +116,23 @@ class Arguments:
 
 @frozen
 class CommandSpec:
-    """One command of the language.
+    """The specification of one command of the language.
 
     Attributes:
         name: the command's name.
-        summary: one line about it.
-        doc: its description on pages.
-        build: creates its step.
+        summary: one line about the command.
+        doc: description on documentation pages.
+        build: function that creates the command's step.
         examples: lines that compile for every robot after the standard DEFAULT of the documentation.
         old_name: a former name, which gets a finding with a fix; empty without one.
         targets: kind of the values for each target suffix ("" for none); empty for a command without values.
         waypoints: smallest and largest number of way-points (None: no limit).
-        is_motion: True if it accepts a profile and a motion time.
+        is_motion: True if the command accepts a profile and a motion time.
         frames_may_move: True if the base frame may be on the flange.
         leading: kinds of the values of the first way-points, if they differ from the target's.
-        moves_frame: True if it moves the moving frame along a path. A speed is then allowed.
-        may_avoid: True if it accepts the suffix _AVOID.
-        may_search: True if an input may end it (UNTIL).
+        moves_frame: True if the command moves the moving frame along a path. A speed is then allowed.
+        may_avoid: True if the command accepts the suffix _AVOID.
+        may_search: True if an input may end the command (UNTIL).
         is_timed: True if each way-point has its own time. The command then accepts no profile, and ignores
             the time of DEFAULT. The path of a file in quotes may replace the way-points.
     """
@@ -156,10 +156,10 @@ class CommandSpec:
 
 @frozen
 class ActionForm:
-    """The parts after an action's word.
+    """One form of an action (a command without motion): the values after the action's word.
 
     Attributes:
-        slots: its values.
+        slots: kinds of the values.
         time: `may` or `must` if a time in square brackets may or must follow; empty if none is allowed.
     """
 
@@ -187,13 +187,15 @@ ActionValue = Signal | float | str | ToolChange
 
 @frozen
 class ActionArguments:
-    """A checked action in SI: the argument of its `build`.
+    """A checked action (a command without motion) in SI units: the argument of the `build` function of its
+    `ActionSpec`.
 
     Attributes:
         origin: the command.
-        values: values of the slots of its form: a `Signal`, a number for a state, a `ToolChange`, or a str.
+        values: values of the slots of the action's form: a `Signal`, a number for a state, a `ToolChange`, or
+            a str.
         seconds: the time after the values [s]; None without one.
-        report: adds a finding at the command, from code, message and help.
+        report: function that adds a finding at the command, from code, message and help.
     """
 
     origin: Origin
@@ -204,16 +206,16 @@ class ActionArguments:
 
 @frozen
 class ActionSpec:
-    """A command without motion, carried out between two motions.
+    """The specification of an action: a command without motion, carried out between two motions.
 
     Attributes:
         name: the word.
-        title: heading of its form on pages: a few words.
-        summary: one line about it.
-        wants: description of its values, for the finding about wrong ones: `an output and its value`.
-        build: creates the steps, which are carried out one after the other. They all have the origin of the
-            arguments.
-        forms: the sets of values that it accepts, each with another number of values.
+        title: heading of the action's form on pages: a few words.
+        summary: one line about the action.
+        wants: description of the values, for the finding about wrong ones: `an output and its value`.
+        build: function that creates the steps, which are carried out one after the other. They all have the
+            origin of the arguments.
+        forms: the sets of values that the action accepts, each with another number of values.
         examples: lines without an index. Their signals must be declared first.
         may_be_a_name: True if the word may also be a declared name, because older programs use it as one.
     """

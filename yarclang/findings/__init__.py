@@ -1,5 +1,5 @@
-"""The catalogue of findings' codes. Each file y*.py of this folder is a family. Only `named` imports other
-parts of yarclang.
+"""The catalogue of findings (errors, warnings and notes) by code. Each file y*.py of this folder is a family
+of codes. Of the rest of yarclang, this package imports only `named` and `frozen`.
 """
 
 from importlib import import_module

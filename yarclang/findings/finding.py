@@ -1,4 +1,4 @@
-"""Entries of the catalogue."""
+"""Entries of the catalogue of findings, and relations between them."""
 
 from __future__ import annotations
 
@@ -38,11 +38,12 @@ def number_of(code: str) -> int | None:
 
 @frozen
 class Follows:
-    """A finding that explains another finding.
+    """A relation between two kinds of findings: one explains the other.
 
     Attributes:
         code: code of the explaining finding.
-        where: its line relative to the other finding: the same line, a line above, or any other line.
+        where: line of the explaining finding relative to the other: the same line, a line above, or any other
+            line.
     """
 
     code: str
@@ -51,7 +52,7 @@ class Follows:
 
 @frozen
 class Finding:
-    """A kind of finding.
+    """A kind of finding (an error, a warning or a note) in the catalogue.
 
     Most fields after `better` relate findings to each other, so that a fault is reported only once.
 
@@ -59,7 +60,7 @@ class Finding:
         code: permanent code: `Y` and four digits, of which the first two are the family.
         name: name by which users select the finding.
         severity: severity of the finding.
-        title: its heading.
+        title: heading of the finding.
         why: explanation of the fault, and of its effect at the machine.
         example: a text with the fault (YARC source, or a line of robot.toml).
         better: the corrected text.
@@ -89,18 +90,18 @@ class Finding:
 
     @property
     def family(self) -> str:
-        """Two digits of the family."""
+        """The two digits of the finding's family."""
         return family_of(self.code)
 
     @property
     def anchor(self) -> str:
-        """Anchor of its section on the page of all findings."""
+        """Anchor of the finding's section on the page of all findings."""
         return f"{self.code.lower()}-{self.name}"
 
     @property
     def need(self) -> Need:
-        """Information that may be missing because of another line. If nothing is given, findings of the
-        families about places need the end of a motion.
+        """Information that the finding needs, and that may be missing because of another line. If nothing is
+        given, findings of the families about places need the end of a motion.
         """
         return self.needs or ("place" if self.family in _OF_PLACES else "")
 

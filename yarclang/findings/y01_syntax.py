@@ -1,4 +1,4 @@
-"""Family 01: the text itself."""
+"""Findings of family 01: the text itself."""
 
 from yarclang.findings.finding import Finding, Follows
 

@@ -1,4 +1,4 @@
-"""Family 02: names."""
+"""Findings of family 02: names."""
 
 from yarclang.findings.finding import Finding, Follows
 

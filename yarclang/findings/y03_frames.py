@@ -1,4 +1,4 @@
-"""Family 03: frames and units."""
+"""Findings of family 03: frames and units."""
 
 from yarclang.findings.finding import Finding, Follows
 

@@ -1,4 +1,4 @@
-"""Family 04: values."""
+"""Findings of family 04: values."""
 
 from yarclang.findings.finding import Finding
 

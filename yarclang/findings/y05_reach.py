@@ -1,4 +1,4 @@
-"""Family 05: reach."""
+"""Findings of family 05: reach."""
 
 from yarclang.findings.finding import Finding
 

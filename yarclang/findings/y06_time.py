@@ -1,4 +1,4 @@
-"""Family 06: limits and time."""
+"""Findings of family 06: limits and time."""
 
 from yarclang.findings.finding import Finding
 

@@ -1,4 +1,4 @@
-"""Family 07: singularities."""
+"""Findings of family 07: singularities."""
 
 from yarclang.findings.finding import Finding
 

@@ -1,4 +1,4 @@
-"""Family 08: configuration."""
+"""Findings of family 08: configuration."""
 
 from yarclang.findings.finding import Finding
 

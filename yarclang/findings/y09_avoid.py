@@ -1,4 +1,4 @@
-"""Family 09: ways round obstacles."""
+"""Findings of family 09: ways round obstacles."""
 
 from yarclang.findings.finding import Finding
 

@@ -1,4 +1,4 @@
-"""Family 09: collision and workspace."""
+"""Findings of family 09: collision and workspace."""
 
 from yarclang.findings.finding import Finding
 

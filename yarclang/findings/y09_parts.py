@@ -1,4 +1,4 @@
-"""Family 09, continued: parts that grippers take and put down."""
+"""Findings of family 09, continued: parts that grippers take and put down."""
 
 from yarclang.findings.finding import Finding
 

@@ -1,4 +1,4 @@
-"""Family 10: the flow of the program."""
+"""Findings of family 10: the flow of the program."""
 
 from yarclang.findings.finding import Finding
 

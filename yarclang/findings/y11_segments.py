@@ -1,4 +1,4 @@
-"""Family 11, first part: what the controller's segments can do."""
+"""Findings of family 11, first part: what the controller's segments can do."""
 
 from yarclang.findings.finding import Finding
 

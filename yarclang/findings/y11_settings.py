@@ -1,4 +1,4 @@
-"""Family 11, third part: findings of the judge about the controller's settings."""
+"""Findings of family 11, third part: findings of the judge about the controller's settings."""
 
 from yarclang.findings.finding import Finding
 

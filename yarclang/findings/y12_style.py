@@ -1,4 +1,4 @@
-"""Family 12: style."""
+"""Findings of family 12: style."""
 
 from yarclang.findings.finding import Finding, Follows
 

@@ -1,4 +1,4 @@
-"""Family 13: a robot's joints, their limits, axes and motors."""
+"""Findings of family 13: a robot's joints, their limits, axes and motors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Family 13: the meshes in a new robot's folder."""
+"""Findings of family 13: the meshes in a new robot's folder."""
 
 from __future__ import annotations
 

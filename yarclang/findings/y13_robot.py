@@ -1,4 +1,4 @@
-"""Family 13: robot.toml, its form, its names and frames."""
+"""Findings of family 13: robot.toml, its form, its names and frames."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Family 13, second part: the choice of a robot, and the settings of a project."""
+"""Findings of family 13, second part: the choice of a robot, and the settings of a project."""
 
 from yarclang.findings.finding import Finding
 

@@ -1,4 +1,4 @@
-"""Family 13, sixth part: the files of timed trajectories beside programs."""
+"""Findings of family 13, sixth part: the files of timed trajectories beside programs."""
 
 from yarclang.findings.finding import Finding
 

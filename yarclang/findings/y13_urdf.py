@@ -1,4 +1,4 @@
-"""Family 13: a robot's URDF, the text and its elements."""
+"""Findings of family 13: a robot's URDF, the text and its elements."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Family 14: logs of runs."""
+"""Findings of family 14: logs of runs."""
 
 from yarclang.findings.finding import Finding
 

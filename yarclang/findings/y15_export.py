@@ -1,4 +1,4 @@
-"""Family 15: programs and robots that are exported to other tools."""
+"""Findings of family 15: programs and robots that are exported to other tools."""
 
 from yarclang.findings.finding import Finding
 

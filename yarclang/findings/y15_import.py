@@ -1,4 +1,4 @@
-"""Family 15: files of other kinds that are converted to programs, and new projects."""
+"""Findings of family 15: files of other kinds that are converted to programs, and new projects."""
 
 from yarclang.findings.finding import Finding
 

@@ -1,4 +1,4 @@
-"""Family 16: runs on a controller."""
+"""Findings of family 16: runs on a controller."""
 
 from yarclang.findings.finding import Finding
 

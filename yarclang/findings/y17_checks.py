@@ -1,4 +1,4 @@
-"""Family 17: the checks themselves."""
+"""Findings of family 17: the checks themselves."""
 
 from yarclang.findings.finding import Finding
 

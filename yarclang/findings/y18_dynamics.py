@@ -1,4 +1,4 @@
-"""Family 18: dynamics."""
+"""Findings of family 18: dynamics."""
 
 from yarclang.findings.finding import Finding
 

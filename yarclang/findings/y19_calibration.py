@@ -1,4 +1,4 @@
-"""Family 19: calibration of tools, frames and joints."""
+"""Findings of family 19: calibration of tools, frames and joints."""
 
 from yarclang.findings.finding import Finding
 

@@ -1,4 +1,4 @@
-"""Family 20: faults of yarclang itself, not of the program."""
+"""Findings of family 20: faults of yarclang itself, not of the program."""
 
 from yarclang.findings.finding import Finding
 

@@ -1,1 +1,3 @@
-"""Follow the parts that grippers take and put down: compute their places at every instant of a program."""
+"""Follow the workpieces that grippers take and put down: compute their places at every instant of a
+program.
+"""

@@ -17,7 +17,7 @@ from yarclang.ways import Turn, Ways
 
 @frozen
 class Allowance:
-    """Two bodies that may touch during a motion: their names in upper case and alphabetical order.
+    """A pair of bodies that may touch during a motion: their names in upper case and alphabetical order.
 
     `line` is the line that allows the contact. It is a line of the program or module or, if `in_cell`, of the
     cell's file.
@@ -53,8 +53,8 @@ def allowances_of(program: Program) -> Allowances:
 
 
 def permitted(program: Program) -> tuple[Permitted, ...]:
-    """Return the pairs that may touch during the motions of a program, in order. For a part of another
-    program, these are the pairs that the other program allows.
+    """Return the pairs of bodies that may touch during the motions of a program, in order. For steps that are
+    a section of a longer program, these are the pairs that the longer program allows.
     """
     if program.cells is None:
         found = {step: [one.pair for one in own] for step, own in allowances_of(program).items()}
@@ -64,11 +64,11 @@ def permitted(program: Program) -> tuple[Permitted, ...]:
 
 
 def allowances(cell: Cell | None, steps: Sequence[Step]) -> Allowances:
-    """Return the bodies that may touch during each motion.
+    """Return the pairs of bodies that may touch during each motion of a program.
 
     Args:
-        cell: its entries allow contact of pairs during motions that lead to a frame or leave it.
-        steps: steps of a program, whose lines allow contact of pairs with ALLOW.
+        cell: its `[[allow]]` entries allow contact during motions that lead to a frame or leave it.
+        steps: steps of the program, whose lines allow contact with ALLOW.
     """
     of_cell = () if cell is None else cell.allowances
     if not of_cell and not any(getattr(step, "allowed", ()) for step in steps):
@@ -101,20 +101,19 @@ def _by_line(one: Allowed, step: Motion) -> Allowance:
 
 
 def kept(step: Motion, own: Sequence[Allowance]) -> tuple[Allowed, ...]:
-    """Return everything that a motion allows, for use of the motion outside of its program: what its line
-    allows, and what the cell allows at its place in the program.
+    """Return the contacts that a motion allows, for use of the motion outside of its program: those that its
+    line allows, and those that the cell allows because of the motion's place in the program.
 
     Args:
         step: the motion.
-        own: everything that is allowed during the motion in its program.
+        own: all contacts that are allowed during the motion in its program.
     """
     of_cell = [Allowed(one.first, one.second, cell_line=one.line) for one in own if one.in_cell]
     return (*step.allowed, *of_cell)
 
 
 def frames_led_to(step: Motion, source: SourceFile | None) -> frozenset[str]:
-    """Return the names of the frame in which a motion's goal is given, and of the frames in which this frame
-    is given in turn.
+    """Return the names of the frame in which a motion's goal is given, and of that frame's parents.
 
     The result is empty for a motion to joint values or by an increment. Only frames that the file `source`
     declares are included, since a program's frame may have the same name as a frame of the cell.
@@ -136,10 +135,10 @@ def frames_led_to(step: Motion, source: SourceFile | None) -> frozenset[str]:
 def _with_frames(
     steps: Sequence[Step], source: SourceFile | None
 ) -> Iterator[tuple[int, Motion, frozenset[str], frozenset[str]]]:
-    """Yield each motion with its number, the frames to which it leads, and the frames to which the previous
-    motion has led on every branch.
+    """Yield each motion with its step number, the frames to which it leads, and the frames to which the
+    previous motion has led on every branch.
 
-    At the start of a loop there is no such frame, because its passes begin after different motions.
+    At the start of a loop there is no such previous frame, because the passes begin after different motions.
     """
     nowhere: frozenset[str] = frozenset()
     at = Ways(nowhere)

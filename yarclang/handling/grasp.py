@@ -1,4 +1,4 @@
-"""Describe what a gripper does at a SET, and where the parts are between two steps."""
+"""Describe what a gripper does at a SET, and where the workpieces are between two steps."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from yarclang.ways import Turn, Ways
 
 @frozen(eq=False)
 class Parted:
-    """Branches that meet with different tools on the flange.
+    """The end of a WHEN whose two branches leave different tools on the flange.
 
-    `began` is the step with which the branches began. `tools` are the names of the tools after the one branch
+    `began` is the step at which the branches began. `tools` are the names of the tools after the one branch
     and after the other, empty for no tool.
     """
 
@@ -26,10 +26,10 @@ class Parted:
 
 @frozen
 class Whereabouts:
-    """The places of the parts between two steps.
+    """The places of the workpieces between two steps of a program.
 
-    `unlike` names a part that, at the end of the last loop's first pass, isn't where it was at the pass's
-    start; empty if there is none. `parted` is set if branches meet after which different tools are on the
+    `unlike` names a workpiece that isn't at the same place at the end as at the start of the last loop's
+    first pass; empty if there is none. `parted` is set if branches that end here leave different tools on the
     flange.
     """
 
@@ -43,7 +43,7 @@ class Whereabouts:
         return self.ways.state
 
     def moved(self, parts: Parts) -> Whereabouts:
-        """Return the whereabouts after the parts have moved."""
+        """Return the state after the workpieces have moved."""
         return Whereabouts(replace(self.ways, state=parts))
 
 
@@ -52,7 +52,8 @@ class Grasp:
     """The effect of a SET on a gripper, with the flange at `base_from_flange` (4, 4) [m].
 
     `step` is the step of the SET. `closes` is True if the SET closes the gripper, and False if it opens it.
-    `before` and `after` are the places of the parts, `near` is the part nearest to a gripper that closes.
+    `before` and `after` are the places of the workpieces, `near` is the workpiece nearest to a gripper that
+    closes.
     """
 
     step: int

@@ -1,4 +1,4 @@
-"""Find the rules (KEEP) that apply to each motion of a program."""
+"""Find the path constraints (KEEP rules) that apply to each motion of a program."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from yarclang.hir import Motion, Program, Step
 
 
 def keeps_of(step: Step) -> tuple[Keep, ...]:
-    """Return the rules that apply to a step; empty if it is no motion."""
+    """Return the path constraints (KEEP rules) that apply to a step; empty if the step is no motion."""
     return step.keeps if isinstance(step, Motion) else ()
 
 
 def has_keeps(steps: Sequence[Step]) -> bool:
-    """Return True if a rule applies to any motion."""
+    """Return True if a path constraint (KEEP rule) applies to any motion."""
     return any(map(keeps_of, steps))
 
 
 def kept_to(program: Program) -> tuple[KeptTo, ...]:
-    """Return the rules for all motions of a program, in the form in which the map of a controller text
-    lists them. The rules of its cell come first.
+    """Return the path constraints (KEEP rules) that each motion of a program must satisfy, as listed in the
+    comments of a controller text. The rules of the cell come first.
     """
     rules = () if program.cell is None else program.cell.rules
     return tuple(

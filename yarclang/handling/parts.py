@@ -1,7 +1,7 @@
-"""Compute where the parts of a cell are, and what changes when a gripper closes or opens.
+"""Compute where the workpieces of a cell are, and what changes when a gripper closes or opens.
 
-A state is a set of places at which parts may be. After a WHEN one part may have several places; all of them
-count as occupied.
+A state is a set of places at which workpieces may be. After a WHEN one workpiece may have several places; all
+of them count as occupied.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ NO_PARTS = Parts(())
 
 @lru_cache(maxsize=64)
 def first_parts(cell: Cell | None) -> Parts:
-    """Return where the parts of a cell are when a program starts."""
+    """Return where the workpieces of a cell are when a program starts."""
     if cell is None or not cell.parts:
         return NO_PARTS
     if cell.present is not None:
@@ -42,7 +42,9 @@ def first_parts(cell: Cell | None) -> Parts:
 
 
 def _holder(cell: Cell, part: Part) -> str:
-    """Return the lock that holds a tool, or the gripper nearest to a part on the flange."""
+    """Return the tool changer's lock that holds a tool or, for a workpiece on the flange, the nearest
+    gripper.
+    """
     if part.rack is not None:
         return part.rack.lock
     flange_from_part = part.body.mount.transform
@@ -55,10 +57,10 @@ def _holder(cell: Cell, part: Part) -> str:
 
 
 def nearest_part(parts: Parts, grip: Grip, base_from_flange: Array) -> Nearest | None:
-    """Return the part that a gripper would take at a flange pose (4, 4), at any distance; None if no part is
-    lying in the cell.
+    """Return the workpiece that a gripper would take at a flange pose (4, 4), at any distance; None if no
+    workpiece lies in the cell.
 
-    If the gripper's origin is inside several parts, the part with the nearest origin is returned.
+    If the gripper's origin is inside several workpieces, the one with the nearest origin is returned.
     """
     origin = (base_from_flange @ grip.flange_from_grip)[:3, 3]
     found = [
@@ -109,19 +111,19 @@ def _hull(shape: Shape) -> object:
 def close(
     parts: Parts, variable: str, grip: Grip, base_from_flange: Array, step: int
 ) -> tuple[Parts, Nearest | None]:
-    """Close a gripper.
+    """Close a gripper, and return where the workpieces are afterwards.
 
     Args:
-        parts: where the parts are before.
-        variable: the gripper's output.
+        parts: where the workpieces are before.
+        variable: variable of the gripper's output.
         grip: the gripper.
-        base_from_flange: (4, 4) the flange's pose.
-        step: the step of the program that closes it.
+        base_from_flange: (4, 4) pose of the flange.
+        step: the step of the program that closes the gripper.
 
     Returns:
-        Where the parts are afterwards, and the part nearest to the gripper, which is held if it was within
-        reach. The lock of a tool changer takes a tool if the flange is at the tool's place. A gripper of a
-        tool that isn't on the flange takes nothing.
+        Where the workpieces are afterwards, and the one nearest to the gripper, which is held if it was
+        within reach. The lock of a tool changer takes a tool if the flange is at the tool's place. A gripper
+        of a tool that isn't on the flange takes nothing.
     """
     if grip.changes:
         return locked(parts, variable, base_from_flange), nearest_tool(parts, base_from_flange)
@@ -146,8 +148,8 @@ def close(
 
 
 def open_(parts: Parts, variable: str, base_from_flange: Array) -> Parts:
-    """Open a gripper at a flange pose (4, 4). The parts that it holds stay where they are. A tool is put
-    exactly at its place if the flange is there.
+    """Open a gripper at a flange pose (4, 4). The workpieces that it holds stay where they are. A tool that a
+    tool changer releases at the tool's place is put exactly there.
     """
     parts = unlocked(parts, variable, base_from_flange)
     items = tuple(
@@ -160,14 +162,14 @@ def open_(parts: Parts, variable: str, base_from_flange: Array) -> Parts:
 
 
 def shift(parts: Parts, names: Collection[str], moved: Array, taken: int) -> Parts:
-    """Move the parts that are where the cell has them. The next parts of their kinds still come to the
-    original place.
+    """Move workpieces that are still at their initial places. The next ones of the same kinds still come to
+    the initial place.
 
     Args:
-        parts: the parts.
-        names: names of the kinds of parts that are moved.
+        parts: where the workpieces are.
+        names: names of the kinds of workpieces that are moved.
         moved: (4, 4) displacement in {B} [m].
-        taken: step after which the next parts may come; it becomes `Expected.taken`.
+        taken: step after which the next workpieces may come; it becomes `Expected.taken`.
     """
     items: list[Item] = []
     expected = list(parts.expected)
@@ -184,7 +186,7 @@ def shift(parts: Parts, names: Collection[str], moved: Array, taken: int) -> Par
 
 
 def remove(parts: Parts, removal: Removal) -> Parts:
-    """Remove the parts that are within the reach of a machine."""
+    """Remove the workpieces that are within the reach of a machine."""
     origin = removal.base_from_place[:3, 3]
     items = tuple(
         one
@@ -197,12 +199,12 @@ def remove(parts: Parts, removal: Removal) -> Parts:
 
 
 def arrive(parts: Parts, leaving: Collection[int]) -> Parts:
-    """Put the next parts at the places from which others were taken.
+    """Let the next workpieces come to the places from which the previous ones were taken.
 
     Args:
-        parts: where the parts are.
-        leaving: SETs that closed a gripper, if the robot is still on its straight way away from them. The
-            places of the parts that they took stay empty for now.
+        parts: where the workpieces are.
+        leaving: SETs that closed a gripper, if the robot is still on its straight departure from there. The
+            places of the workpieces that these SETs took stay empty for now.
     """
     lying = [one for one in parts.items if one.gripper is None and one.part.rack is None and one.is_sure]
     here = [
@@ -223,8 +225,8 @@ def arrive(parts: Parts, leaving: Collection[int]) -> Parts:
 
 
 def _blocks(item: Item, expected: Expected) -> bool:
-    """Return True if `item` is the part before `expected`, and is at the place to which that part is to
-    come.
+    """Return True if the workpiece that precedes `expected` still occupies the place to which `expected`
+    is to come.
     """
     kind, place = expected.part, expected.part.body
     is_before = item.part.body.name == place.name and item.number == expected.number - 1
@@ -240,7 +242,9 @@ _DEEP = 1e-3
 
 
 def either(one: Parts, other: Parts) -> Parts:
-    """Return the union of two states, for branches of which either may have been taken."""
+    """Return the union of two states of the workpieces, after branches of which either may have been
+    taken.
+    """
     if one == other:
         return one
     there = tuple(next((each for each in one.items if _are_alike(each, item)), item) for item in other.items)
@@ -254,10 +258,10 @@ def either(one: Parts, other: Parts) -> Parts:
 
 
 def unlike(first: Parts, again: Parts) -> str:
-    """Return the name of a part or gripper that differs between two states. If the result is empty, a loop
-    can begin another pass.
+    """Return the name of a workpiece or gripper that differs between two states. If there is none, the result
+    is empty, and a loop can begin another pass.
 
-    The next part of a kind counts as equal to the previous part.
+    The next workpiece of a kind counts as equal to the previous one.
     """
     one, other = (arrive(parts, frozenset()) for parts in (first, again))
     left = list(other.items)
@@ -279,8 +283,8 @@ def _are_one_kind(one: Item, other: Item) -> bool:
 
 
 def _are_alike(one: Item, other: Item) -> bool:
-    """Return True if two items are one part at the same place except for rounding, such as a part that was
-    put down and taken again at the same place.
+    """Return True if two items are the same workpiece at the same place except for rounding, such as a
+    workpiece that was put down and taken again at the same place.
     """
     return (one.name, one.gripper, one.is_sure) == (other.name, other.gripper, other.is_sure) and bool(
         (np.abs(one.transform - other.transform) <= _ALIKE).all()
@@ -294,6 +298,6 @@ a hundred times as large (`yarclang.collision.proof.SLACK`).
 
 
 def doubtful(parts: Parts) -> Iterator[str]:
-    """Yield the names of parts that may be at several places."""
+    """Yield the names of workpieces that may be at several places."""
     names = [one.name for one in parts.items]
     yield from dict.fromkeys(name for name in names if names.count(name) > 1)

@@ -1,5 +1,5 @@
-"""Keep the parts of a cell between two programs of a session: the next program starts with the places at
-which the previous program left them.
+"""Keep the places of a cell's workpieces between two programs of a session: the next program starts with the
+places at which the previous program left them.
 """
 
 from __future__ import annotations
@@ -28,18 +28,20 @@ the text of a program are rounded.
 
 @lru_cache(maxsize=64)
 def presently(cell: Cell, present: Present) -> Cell:
-    """Return a cell with its parts at their current places. Equal states give the same object."""
+    """Return a cell with its workpieces as bodies at their current places. Equal states give the same
+    object.
+    """
     return replace(cell, present=present)
 
 
 def present_of(cell: Cell) -> Present:
-    """Return where the parts of a cell are when a program starts."""
+    """Return the state of a cell's workpieces when a program starts."""
     return cell.present or Present(first_parts(cell))
 
 
 def are_same(one: Parts, other: Parts) -> bool:
-    """Return True if all parts are at the same places within `SAME`. The tolerance is needed because the
-    place of a part that is put back differs in the last bits.
+    """Return True if all workpieces are at the same places in two states, within `SAME`. The tolerance is
+    needed because the place of a workpiece that is put back differs in the last bits.
     """
     if one == other:
         return True
@@ -54,7 +56,7 @@ def are_same(one: Parts, other: Parts) -> bool:
 
 
 def is_same(one: Item, other: Item) -> bool:
-    """Return True if a part is at the same place within `SAME`."""
+    """Return True if a workpiece is at the same place in two states, within `SAME`."""
     return (one.name, one.gripper, one.is_sure) == (other.name, other.gripper, other.is_sure) and np.allclose(
         one.transform, other.transform, rtol=0.0, atol=SAME
     )
@@ -65,11 +67,11 @@ def _order(item: Item) -> tuple[str, str, bool, tuple[float, ...]]:
 
 
 def around_start(cell: Cell | None, *, touching: bool = True) -> Cell | None:
-    """Return a cell as it is when a program starts, with its parts as obstacles or on the flange.
+    """Return a cell as it is when a program starts, with its workpieces as obstacles or on the flange.
 
     Args:
-        cell: cell with its parts, or None.
-        touching: True if the robot may touch the parts next to it.
+        cell: cell with its workpieces, or None.
+        touching: True if the robot may touch the workpieces that it has just taken or put down.
     """
     if cell is None:
         return None
@@ -78,12 +80,12 @@ def around_start(cell: Cell | None, *, touching: bool = True) -> Cell | None:
 
 
 def present_after(handling: Handling, found: Followed, q: Array | None) -> Present:
-    """Return where a program leaves the parts.
+    """Return the state in which a program leaves the workpieces.
 
     Args:
         handling: the program.
-        found: the result of following the program.
-        q: the robot's position at the end (n,) [rad or m]; None if it isn't known.
+        found: the result of following the program's steps.
+        q: the robot's joint positions at the end (n,) [rad or m]; None if they aren't known.
     """
     cell = handling.cell
     assert cell is not None, "a cell without parts has nothing to be followed"
@@ -93,15 +95,16 @@ def present_after(handling: Handling, found: Followed, q: Array | None) -> Prese
 
 
 def beside(robot: Robot, cell: Cell, present: Present, q: Array | None) -> Present:
-    """Return a state without the exceptions of grippers that have moved away from their parts.
+    """Return a state of the workpieces without the contact exceptions of grippers that have moved away.
 
-    An exception is dropped if all bodies keep their distances without it.
+    A gripper that has just taken or put down workpieces may touch them. This exception is dropped if all
+    bodies keep their distances without it.
 
     Args:
         robot: robot in the cell.
-        cell: cell with the parts.
-        present: the state, with the exceptions of all grippers that may still be at their parts.
-        q: the robot's position (n,) [rad or m]; None if it isn't known.
+        cell: cell with the workpieces.
+        present: the state, with the exceptions of all grippers that may still be at their workpieces.
+        q: the robot's joint positions (n,) [rad or m]; None if they aren't known.
     """
     left = list(dict.fromkeys(present.leaving))
     for one in tuple(left) if q is not None else ():
@@ -127,15 +130,16 @@ def _is_free(robot: Robot, cell: Cell | None, q: Array) -> bool:
 
 
 def on_cell(present: Present, known: Cell, cell: Cell) -> Present:
-    """Transfer a state to another reading of the same cell file. Parts are identified by their names.
+    """Transfer a state of the workpieces to a cell that was read again from its file. Workpieces are
+    identified by their names.
 
-    A part that is still where the old file had it, and a new part, get the place that the new file gives.
-    Parts that are no longer in the file are removed.
+    A workpiece that is still at the initial place of the old file, and a new workpiece, get the place that
+    the new file gives. Workpieces that are no longer in the file are removed.
 
     Args:
         present: the state.
-        known: the cell to which the state's parts belong.
-        cell: the other reading.
+        known: the cell as read before, to which the state belongs.
+        cell: the cell as read now.
     """
     if known.parts == cell.parts:
         return present
@@ -155,8 +159,8 @@ def on_cell(present: Present, known: Cell, cell: Cell) -> Present:
 
 
 def _at_home(item: Item, kind: Part) -> Item:
-    """Return a part at the place that its kind has in the new cell, if the part was never moved; otherwise
-    unchanged.
+    """Return a workpiece at the initial place that the new cell gives its kind, if it was never moved;
+    otherwise unchanged.
     """
     if item.gripper is not None or item.pose != item.part.body.mount.transform.tobytes():
         return item

@@ -17,9 +17,9 @@ MOST_TURN = 0.5 * DEG
 
 @frozen
 class Nearest:
-    """The part nearest to a gripper that closes, and the distance of its surface from the gripper's origin
-    [m]; 0 if the origin is inside the part. For a tool, it is the distance of the flange from the tool's
-    place.
+    """The workpiece nearest to a gripper that closes, and the distance of its surface from the gripper's
+    origin [m]; 0 if the origin is inside the workpiece. For a tool, it is the distance of the flange from the
+    tool's place.
     """
 
     item: Item
@@ -27,9 +27,7 @@ class Nearest:
 
 
 def apart(tool: RackTool, base_from_flange: Array) -> tuple[float, float]:
-    """Return the distance of a flange pose (4, 4) from a tool's place [m], and the angle between both
-    [rad].
-    """
+    """Return the distance [m] and the angle [rad] between a flange pose (4, 4) and a tool's place."""
     away = np.linalg.inv(tool.place.transform) @ base_from_flange
     cosine = np.clip((np.trace(away[:3, :3]) - 1.0) / 2.0, -1.0, 1.0)
     # the arc cosine alone would lose half of the digits of a small angle
@@ -72,8 +70,8 @@ def _stands_there(item: Item, base_from_flange: Array) -> bool:
 
 
 def unlocked(parts: Parts, lock: str, base_from_flange: Array) -> Parts:
-    """Unlock a tool changer at a flange pose (4, 4). A tool whose place is there is put exactly at this
-    place. Another tool, and everything that the tool's grippers hold, stays where it is.
+    """Unlock a tool changer at a flange pose (4, 4). If the flange is at the tool's place, the tool is put
+    exactly there. Otherwise the tool, and everything that its grippers hold, stays where it is.
     """
     left = [one for one in parts.held(lock) if one.part.rack is not None]
     if not left:

@@ -1,5 +1,5 @@
-"""Find the straight motions by which a robot approaches a part and leaves it. During these motions, bodies
-may touch that touch while the part is taken or put down.
+"""Find the straight motions by which a robot approaches a workpiece and leaves it. Bodies that touch while
+the workpiece is taken or put down may also touch during these motions.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ from yarclang.hir import (
 class Lead:
     """A SET of a gripper at the start or end of straight motions, seen from one of these motions.
 
-    `to` is the step of the SET. `between` are the motions between this motion and the SET that are next to
-    this motion (several with branches); empty if this motion may begin or end at the SET itself.
+    `to` is the step of the SET. `between` are the motions next to this motion on the side of the SET (several
+    with branches); empty if this motion may begin or end at the SET itself.
     """
 
     to: int
@@ -41,13 +41,13 @@ class Lead:
 
 @frozen(eq=False)
 class Runs:
-    """For each motion, by its step: the SETs of grippers that it approaches (`towards`), and the SETs that it
-    leaves (`away`).
+    """For each motion, by its step: the SETs of grippers that the motion approaches (`towards`), and the SETs
+    that it leaves (`away`).
 
-    There are several SETs if branches of a WHEN lead from different SETs or to different ones. If a motion
-    leaves no SET on one of the branches, it is not in `away`; the same holds for `towards`. `leaves` has, for
-    a motion, the SETs that it leaves on all branches that come from them: the next parts don't come yet to
-    the places of the parts that were taken there.
+    There are several SETs if branches of a WHEN come from different SETs or lead to different ones. A motion
+    isn't in `away` if on one of the branches it leaves no SET; the same applies to `towards`. `leaves` has,
+    for a motion, the SETs that it leaves on all branches that come from them: the next workpieces don't come
+    yet to the places of the workpieces that these SETs took.
     """
 
     towards: Mapping[int, tuple[Lead, ...]]
@@ -66,13 +66,14 @@ have the number of the program's steps.
 def runs_of(
     steps: Sequence[Step], grippers: Mapping[str, Grip], *, leaves: bool = False, goes_on: bool = False
 ) -> Runs:
-    """Find the motions next to each SET of a gripper: a single motion of any kind, or several linear motions.
+    """Find the motions by which the robot approaches and leaves each SET of a gripper: a single motion of any
+    kind, or several linear motions.
 
     Args:
         steps: steps of a program.
         grippers: grippers by the variables of their outputs.
         leaves: True if a SET precedes the program.
-        goes_on: True if a SET may follow it.
+        goes_on: True if a SET may follow the program.
     """
     if not grippers:
         return NO_RUNS
@@ -120,7 +121,7 @@ def _along(
     Args:
         steps: steps of a program.
         numbers: numbers of the steps, in the order of traversal; descending numbers search backwards.
-        closing: the values that close grippers, by their outputs.
+        closing: the values that close grippers, by the variables of their outputs.
         first: the SET that precedes the first of these steps, or None.
     """
     opens, ends = (When, EndWhen) if numbers.step > 0 else (EndWhen, When)
@@ -168,7 +169,7 @@ def _after_set(
     *,
     forwards: bool,
 ) -> Iterable[_Way]:
-    """Yield the paths after a SET. A SET that repeats the last one has no effect."""
+    """Yield the control-flow paths after a SET. A SET that repeats the last one has no effect."""
     for one in ways:
         last = steps[one.set] if forwards and one.set is not None and 0 <= one.set < len(steps) else None
         again = isinstance(last, SetOutput) and _does(last, closing) == _does(steps[at], closing)
@@ -181,7 +182,7 @@ def _does(step: Step, closing: Mapping[str, float]) -> tuple[str, bool]:
 
 
 def _leads(found: Mapping[int, frozenset[_Way]]) -> dict[int, tuple[Lead, ...]]:
-    """Return the SETs of each motion that belongs to a SET on all paths."""
+    """Return the SETs of each motion that belongs to a SET on all control-flow paths."""
     leads: dict[int, tuple[Lead, ...]] = {}
     for at, ways in found.items():
         if any(one.left or one.set is None for one in ways):

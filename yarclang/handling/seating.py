@@ -1,5 +1,5 @@
-"""Detect likely mistakes in a description of parts: the body on which a part lies at the start, and the depth
-of the gripper in the part.
+"""Detect likely mistakes in the description of a cell's workpieces: the body on which a workpiece lies at the
+start, and how deep a gripper enters the workpiece.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ without a vacuum sensor may be deeper by half of the part's thickness.
 
 
 def first_of(grasp: Grasp) -> tuple[Item, ...]:
-    """Return the parts that a gripper takes from their initial places in the cell; of each kind only the
-    first part.
+    """Return the workpieces that a gripper takes from their initial places in the cell; of each kind only the
+    first one.
     """
     return tuple(
         one
@@ -38,13 +38,13 @@ def first_of(grasp: Grasp) -> tuple[Item, ...]:
 
 
 def nearest_to(robot: Robot, cell: Cell, grasp: Grasp, name: str) -> Touch | None:
-    """Find the body nearest to a part when a gripper takes the part.
+    """Find the body nearest to a workpiece when a gripper takes the workpiece.
 
     Args:
         robot: robot in the cell.
         cell: cell as in its file.
-        grasp: grasp that takes the part.
-        name: name of the part.
+        grasp: grasp that takes the workpiece.
+        name: name of the workpiece.
 
     Returns:
         The body, and its distance as `least` [m], negative if both overlap; None if there is no other body at
@@ -62,20 +62,20 @@ def nearest_to(robot: Robot, cell: Cell, grasp: Grasp, name: str) -> Touch | Non
 
 
 def deepest(robot: Robot, cell: Cell, grasp: Grasp, name: str) -> Touch | None:
-    """Find the body on the flange that is deeper in a part than a gripper should be when it closes.
+    """Find the body on the flange that is deeper in a workpiece than a gripper should be when it closes.
 
-    A cup lies on the part. Fingers reach around it. In the model, fingers are often one body without a gap;
-    such a body overlaps the part, but hardly beyond the part's middle.
+    A suction cup lies on the workpiece. Fingers reach around it. In the model, fingers are often one body
+    without a gap; such a body overlaps the workpiece, but hardly beyond its middle.
 
     Args:
         robot: robot in the cell.
         cell: cell as in its file.
-        grasp: grasp that takes the part.
-        name: name of the part.
+        grasp: grasp that takes the workpiece.
+        name: name of the workpiece.
 
     Returns:
-        The part as `part`, the body as `other`, and minus the overlap as `least` [m]; None if nothing is too
-        deep.
+        The workpiece as `part`, the body as `other`, and minus the overlap as `least` [m]; None if nothing is
+        too deep.
     """
     item = next(one for one in grasp.before.items if one.name == name)
     is_cup = any(one.gripper == grasp.variable for one in cell.sensors)
@@ -95,7 +95,7 @@ def deepest(robot: Robot, cell: Cell, grasp: Grasp, name: str) -> Touch | None:
 
 
 def _half_thickness(item: Item) -> float:
-    """Return half of the shortest edge of the box around a part [m]; infinite for a mesh that can't be
+    """Return half of the shortest edge of the box around a workpiece [m]; infinite for a mesh that can't be
     read.
     """
     try:
@@ -112,16 +112,16 @@ def _gaps(
     is_still: Callable[[Body], bool],
     is_moved: Callable[[Body], bool],
 ) -> list[Touch]:
-    """Return the distances of bodies at rest (`other`) from bodies on the flange (`part`); empty without a
-    scene.
+    """Return the distances of bodies at rest (`other`) from bodies on the flange (`part`); empty without
+    bodies that could collide.
 
     Args:
         robot: robot in the cell.
         cell: cell as in its file.
-        parts: where the parts are.
-        base_from_flange: (4, 4) the flange's pose.
-        is_still: selects bodies at rest.
-        is_moved: selects bodies on the flange.
+        parts: where the workpieces are.
+        base_from_flange: (4, 4) pose of the flange.
+        is_still: function that selects bodies at rest.
+        is_moved: function that selects bodies on the flange.
     """
     scene = scene_of(robot, surroundings(cell, parts)).value
     if scene is None:

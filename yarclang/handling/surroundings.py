@@ -1,5 +1,5 @@
-"""Build the cell at one instant of a program. Parts are obstacles while they lie in the cell, and carried
-bodies while a gripper holds them.
+"""Build the cell at one instant of a program. Workpieces are obstacles while they lie in the cell, and
+carried bodies while a gripper holds them.
 """
 
 from __future__ import annotations
@@ -42,14 +42,15 @@ def surroundings(
     allowed: frozenset[tuple[str, str]] = NO_PAIRS,
     keeps: tuple[Keep, ...] = (),
 ) -> Cell | None:
-    """Return the cell with its parts at their places. Equal states give the same object.
+    """Return the cell with its workpieces as bodies at their current places. Equal arguments give the same
+    object.
 
     Args:
         cell: cell as in its file.
-        parts: where its parts are.
-        touches: the bodies that may touch each other where a part is taken or put down.
+        parts: where the workpieces are.
+        touches: the bodies that may touch each other where a workpiece is taken or put down.
         allowed: the pairs of bodies, by name, that may touch because the program or the cell allows it.
-        keeps: the rules of the program for a motion; each becomes one more zone.
+        keeps: the path constraints (KEEP rules) of the program for a motion; each becomes one more zone.
     """
     if cell is None:
         return _without_cell(allowed, keeps) if allowed or keeps else None
@@ -60,8 +61,8 @@ def surroundings(
 
 @lru_cache(maxsize=64)
 def _without_cell(allowed: frozenset[tuple[str, str]], keeps: tuple[Keep, ...]) -> Cell:
-    """Return an empty cell with the pairs of the robot's bodies that may touch, and with the rules for
-    motions.
+    """Return an empty cell for a program without one, with the pairs of the robot's bodies that may touch,
+    and with the path constraints of a motion as zones.
     """
     zones = tuple(map(Zone.of, keeps))
     return Cell(SourceFile("", ""), {}, {}, {}, {}, (), zones, {}, allowed=allowed)
@@ -69,7 +70,9 @@ def _without_cell(allowed: frozenset[tuple[str, str]], keeps: tuple[Keep, ...]) 
 
 @lru_cache(maxsize=64)
 def without_parts(cell: Cell) -> Cell:
-    """Return a cell without its parts, if their places aren't known. Equal cells give the same object."""
+    """Return a cell without its workpieces, for use when their places aren't known. Equal cells give the same
+    object.
+    """
     return replace(cell, parts=()) if cell.parts else cell
 
 
@@ -95,8 +98,8 @@ def _surroundings(
 
 @lru_cache(maxsize=4096)
 def bodies_of(item: Item) -> tuple[Obstacle, ...]:
-    """Return the bodies of a part or tool at its current place. The first body gets the whole mass of a
-    tool.
+    """Return the bodies of a workpiece or tool at its current place. The first body of a tool gets the tool's
+    whole mass.
     """
     body, held = item.part.body, item.gripper is not None
     first, *more = item.solids
@@ -109,18 +112,18 @@ def bodies_of(item: Item) -> tuple[Obstacle, ...]:
 
 @lru_cache(maxsize=1024)
 def supports(robot: Robot, cell: Cell, carried: Parts, gripper: str, flange: bytes) -> tuple[Touch, ...]:
-    """Find the bodies that carry the parts of a gripper where it takes them or puts them down.
+    """Find the bodies on which the workpieces in a gripper rest where it takes them or puts them down.
 
     Args:
         robot: robot in the cell.
         cell: cell as in its file.
-        carried: the state in which the gripper holds the parts.
-        gripper: the variable of its output.
-        flange: the flange's pose, base_from_flange (4, 4) [m], as bytes.
+        carried: the state in which the gripper holds the workpieces.
+        gripper: the variable of the gripper's output.
+        flange: pose of the flange, base_from_flange (4, 4) [m], as bytes.
 
     Returns:
         Pairs of bodies whose distance is at most `NEAR` plus their margin; `least` is the distance [m],
-        negative if they overlap. Empty without a scene.
+        negative if they overlap. Empty without bodies that could collide.
     """
     scene = scene_of(robot, surroundings(cell, carried)).value
     names = {one.name for one in carried.held(gripper)}
@@ -145,7 +148,7 @@ def supports(robot: Robot, cell: Cell, carried: Parts, gripper: str, flange: byt
 
 
 def on_all_ways(ways: Iterable[tuple[Touch, ...]]) -> tuple[Touch, ...]:
-    """Return the exceptions that apply on every one of several paths."""
+    """Return the pairs of bodies that may touch on every one of several branches."""
     first, *others = [*ways] or [()]
     for other in others:
         least = {(one.part, one.other): one.least for one in other}
@@ -158,14 +161,14 @@ def on_all_ways(ways: Iterable[tuple[Touch, ...]]) -> tuple[Touch, ...]:
 
 
 def hand_is_clear(robot: Robot, cell: Cell, parts: Parts, names: tuple[str, ...], q: Array) -> bool:
-    """Return True if everything on the flange keeps its distance from given parts that lie in the cell.
+    """Return True if everything on the flange keeps its distance from some workpieces that lie in the cell.
 
     Args:
         robot: robot in the cell.
         cell: cell as in its file.
-        parts: where the parts are.
-        names: names of the given parts.
-        q: joint position (n,) [rad or m].
+        parts: where all workpieces are.
+        names: names of the workpieces to check.
+        q: joint positions (n,) [rad or m].
     """
     scene = scene_of(robot, surroundings(cell, parts)).value
     if scene is None:
@@ -179,7 +182,7 @@ def hand_is_clear(robot: Robot, cell: Cell, parts: Parts, names: tuple[str, ...]
 
 
 def load_cases(robot: Robot, cell: Cell | None) -> tuple[Dynamics, ...]:
-    """Return the masses that the robot may have to move: all combinations of the parts that it may hold.
+    """Return the load cases of the robot: the masses for each combination of the workpieces that it may hold.
 
     Args:
         robot: robot with masses.
@@ -225,8 +228,8 @@ def _loaded(robot: Robot, dynamics: Dynamics, body: Obstacle) -> Dynamics:
 
 
 def _solid(shape: Shape) -> tuple[Array, Array]:
-    """Return the centre of a solid body in its frame (3,) [m], and the diagonal of its inertia about the
-    centre divided by its mass (3,) [m^2].
+    """Return the centre of mass of a homogeneous body in its frame (3,) [m], and the diagonal of its inertia
+    about this centre divided by its mass (3,) [m^2].
 
     A mesh is replaced by the box around it.
     """

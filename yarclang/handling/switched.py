@@ -1,4 +1,6 @@
-"""Compute where parts are after outputs were set, from the data that an observer of the robot receives."""
+"""Compute where workpieces are after outputs were set, from the data that an observer of the robot
+receives.
+"""
 
 from __future__ import annotations
 
@@ -15,13 +17,13 @@ Switched = tuple[str, float, Array]
 
 
 def parts_after(robot: Robot, cell: Cell, parts: Parts, switched: Iterable[Switched]) -> Parts:
-    """Return the parts of a cell after outputs were set.
+    """Return the state of a cell's workpieces after outputs were set.
 
     Args:
-        robot: robot that carries the parts.
-        cell: cell whose grippers and machines the outputs move.
-        parts: where the parts were before.
-        switched: changes of outputs in the order of time. Outputs that move no part are allowed.
+        robot: robot that carries the workpieces.
+        cell: cell whose grippers and machines are driven by the outputs.
+        parts: where the workpieces were before.
+        switched: changes of outputs in the order of time. Outputs that move no workpiece are allowed.
     """
     for variable, value, q in switched:
         if variable in cell.grips:

@@ -1,4 +1,6 @@
-"""Follow a program step by step: compute where the parts are before each step, and what the grippers do."""
+"""Follow a program step by step: compute where the workpieces are before each step, and what the grippers
+do.
+"""
 
 from __future__ import annotations
 
@@ -39,7 +41,7 @@ from yarclang.ways import Turn, Ways
 
 @frozen(eq=False)
 class Handling:
-    """The grippers and parts of a cell, and the steps of a program that uses them.
+    """The grippers and workpieces of a cell, and the steps of a program that uses them.
 
     `allowances` are the bodies that may touch during its motions because the program or the cell allows it.
     """
@@ -52,22 +54,22 @@ class Handling:
 
     @property
     def has_parts(self) -> bool:
-        """True if there are any parts."""
+        """True if the cell has any workpieces."""
         return self.cell is not None and bool(self.cell.parts)
 
     @property
     def is_needed(self) -> bool:
-        """True if the cell differs from motion to motion: because of parts, bodies that may touch, or
-        KEEP.
+        """True if the cell differs from motion to motion: because of workpieces, bodies that may touch, or
+        path constraints (KEEP).
         """
         return self.has_parts or bool(self.allowances) or has_keeps(self.steps)
 
     def first(self) -> Whereabouts:
-        """Return where the parts are when the program starts."""
+        """Return where the workpieces are when the program starts."""
         return Whereabouts(Ways(first_parts(self.cell)))
 
     def before_motion(self, stand: Whereabouts, step: int) -> Whereabouts:
-        """Return where the parts are during a motion. The next part of a kind replaces a part that was
+        """Return where the workpieces are during a motion. The next workpiece of a kind replaces one that was
         taken away.
         """
         if not stand.parts.expected:
@@ -78,13 +80,13 @@ class Handling:
         """Carry out a step that doesn't move the robot.
 
         Args:
-            stand: the whereabouts before the step.
-            step: its number.
-            q: the robot's position (n,) [rad or m]; None if it isn't known, in which case grippers change
-                nothing.
+            stand: the places of the workpieces before the step.
+            step: number of the step.
+            q: the robot's joint positions (n,) [rad or m]; None if they aren't known, in which case grippers
+                change nothing.
 
         Returns:
-            The whereabouts after the step, and the grasp, if the step moves a gripper.
+            The places of the workpieces after the step, and the grasp, if the step moves a gripper.
         """
         one = self.steps[step]
         if isinstance(one, Turn):
@@ -117,14 +119,14 @@ class Handling:
     def at_pose(
         self, parts: Parts, step: int, variable: str, value: float, base_from_flange: Array
     ) -> Grasp | None:
-        """Return the grasp of a gripper whose output becomes `value`, or None if nothing changes.
+        """Return the grasp of a gripper whose output becomes `value`, or None if the gripper doesn't move.
 
         Args:
-            parts: where the parts are before.
+            parts: where the workpieces are before.
             step: the step of the SET.
-            variable: the gripper's output.
+            variable: variable of the gripper's output.
             value: the new value.
-            base_from_flange: (4, 4) the flange's pose.
+            base_from_flange: (4, 4) pose of the flange.
         """
         if self.cell is None:
             return None
@@ -146,14 +148,14 @@ class Handling:
         clear: Collection[tuple[int, int]] = (),
         coming: Sequence[Grasp] = (),
     ) -> tuple[Touch, ...]:
-        """Return the bodies that may touch during a motion because it approaches or leaves a part. If several
-        branches of a WHEN lead to the motion, these are the bodies that may touch on each branch.
+        """Return the bodies that may touch during a motion because it approaches or leaves a workpiece. If
+        several branches of a WHEN lead to the motion, these are the bodies that may touch on every branch.
 
         Args:
             step: the motion's step.
-            grasps: returns the grasp of a SET by its step; None if it isn't known.
-            clear: pairs of SET and motion, by their steps, for which the gripper isn't at the part yet, or is
-                no longer there. In these motions it must not touch the part.
+            grasps: function that returns the grasp of a SET by its step; None if it isn't known.
+            clear: pairs of SET and motion, by their steps, for which the gripper isn't at the workpiece yet,
+                or is no longer there. In these motions it must not touch the workpiece.
             coming: grasps that the next lines of the session may make.
         """
 
@@ -180,7 +182,9 @@ class Handling:
         return () if present is None else present.leaving
 
     def leaving(self, grasp: Grasp) -> Leaving:
-        """Return the exceptions for the motions that leave the place of a grasp."""
+        """Return what a gripper has taken or put down in a grasp, with the bodies that may touch until it
+        has moved away.
+        """
         return Leaving(grasp.moved, grasp.closes, self._touches(grasp, leads_in=False))
 
     def coming(self, parts: Parts, base_from_flange: Array) -> tuple[Grasp, ...]:
@@ -199,8 +203,8 @@ class Handling:
         return tuple(one for one in found if one is not None and one.moved)
 
     def _allowed(self, coming: Sequence[Grasp]) -> list[Touch]:
-        """Return the exceptions at a place where the next line of a session may take or put down a part. A
-        part must not be put down inside a body.
+        """Return the bodies that may touch where the next line of a session may take or put down a workpiece.
+        A workpiece must not be put down inside a body.
         """
         touches = [touch for one in coming for touch in self._touches(one, leads_in=True)]
         return [one for one in touches if one.other is None or one.least >= -INTO - PRESSED]
@@ -212,17 +216,17 @@ class Handling:
         ends: Callable[[int], Array | None],
         before: Mapping[int, Parts],
     ) -> set[tuple[int, int]]:
-        """Find the straight motions of a SET during which the gripper isn't at its part yet, or is no longer
-        there.
+        """Find the straight motions to or from a SET during which the gripper isn't at its workpiece yet, or
+        is no longer there.
 
-        Going from the SET, these are all motions after the first place at which the gripper is clear of the
-        part.
+        Counted from the SET, these are all motions beyond the first motion end at which the gripper is clear
+        of the workpiece.
 
         Args:
             grasp: what the SET does.
-            begins: returns where a motion begins (n,) [rad or m], by its step.
-            ends: returns where a motion ends (n,) [rad or m], by its step.
-            before: where the parts are during each motion, by its step.
+            begins: function that returns where a motion begins (n,) [rad or m], by its step.
+            ends: function that returns where a motion ends (n,) [rad or m], by its step.
+            before: where the workpieces are during each motion, by its step.
 
         Returns:
             Pairs of the SET's step and a motion's step.
@@ -233,7 +237,9 @@ class Handling:
     def clear_of_left(
         self, ends: Callable[[int], Array | None], before: Mapping[int, Parts]
     ) -> set[tuple[int, int]]:
-        """Find motions like `clear_of`, for the parts next to which the robot is when the program starts."""
+        """Find motions like `clear_of`, for the workpieces next to which the robot is when the program
+        starts.
+        """
         found = (self._beyond(BEFORE, False, one.moved, ends, before) for one in self._left if not one.closes)
         return set().union(*found)
 
@@ -249,8 +255,8 @@ class Handling:
         found: set[tuple[int, int]] = set()
 
         def is_clear(step: int) -> bool:
-            """Return True if the gripper is clear of the part at the end of a motion that is farther from
-            the SET.
+            """Return True if the gripper is clear of the workpiece at that end of a motion that is farther
+            from the SET.
             """
             q = leave(step)
             if (number, step) in found:
@@ -274,7 +280,7 @@ class Handling:
         return tuple(Touch(one.part, one.other, one.least - PRESSED) for one in carry)
 
     def supports(self, grasp: Grasp) -> tuple[Touch, ...]:
-        """Return the bodies near the parts of a grasp, with their distances [m]."""
+        """Return the bodies near the workpieces of a grasp, with their distances [m]."""
         if self.cell is None:
             return ()
         carried = grasp.after if grasp.closes else grasp.before
@@ -284,9 +290,9 @@ class Handling:
         """Return the bodies that may touch at the end of a motion, if a gripper closes or opens there.
 
         Args:
-            parts: where the parts are.
+            parts: where the workpieces are.
             step: the motion's step.
-            base_from_flange: (4, 4) the flange's pose at the end of the motion.
+            base_from_flange: (4, 4) pose of the flange at the end of the motion.
         """
 
         def of_set(at: int) -> tuple[Touch, ...]:
@@ -301,12 +307,12 @@ class Handling:
         return on_all_ways(of_set(one.to) for one in self.runs.towards.get(step, ()))
 
     def around(self, parts: Parts, touches: tuple[Touch, ...] = (), step: int | None = None) -> Cell | None:
-        """Return the cell at one instant.
+        """Return the cell at one instant of the program, with its workpieces as bodies.
 
         Args:
-            parts: where the parts are.
-            touches: the bodies that may touch where a part is taken or put down.
-            step: step of the motion whose allowances and rules (KEEP) apply; None for none.
+            parts: where the workpieces are.
+            touches: the bodies that may touch where a workpiece is taken or put down.
+            step: step of the motion whose allowed contacts and path constraints (KEEP) apply; None for none.
         """
         own = () if step is None else self.allowances.get(step, ())
         pairs = frozenset(one.pair for one in own) if own else NO_PAIRS
@@ -316,20 +322,20 @@ class Handling:
 
 @frozen(eq=False)
 class Followed:
-    """A program that was followed to its end.
+    """The result of following the workpieces through a program to its end.
 
     Attributes:
-        before: where the parts are during each motion, by its step.
-        changes: where the parts are from the beginning of each motion, and of each other step that moves
-            parts, in the order of the steps.
+        before: where the workpieces are during each motion, by its step.
+        changes: where the workpieces are from the beginning of each motion, and of each other step that moves
+            them, in the order of the steps.
         grasps: what grippers do, by the step of the SET.
-        removed: the names of the parts that machines remove, by the step of the SET.
-        end: where the parts are at the end.
+        removed: the names of the workpieces that machines remove, by the step of the SET.
+        end: where the workpieces are at the end.
         cells: the cell during each motion, by its step.
-        unlike: a part that isn't where it was at a loop's first pass, by the step at which the loop would
-            begin again.
-        parted: branches that meet with different tools on the flange, by the step where they meet.
-        tools: the tools that are on the flange after each TOOL, by its step, if the robot's place is known
+        unlike: a workpiece that isn't at the same place after a loop's first pass as before it, by the step
+            at which the loop would begin again.
+        parted: ends of branches that leave different tools on the flange, by the step.
+        tools: the tools that are on the flange after each TOOL, by its step, if the robot's position is known
             there.
     """
 
@@ -347,11 +353,11 @@ class Followed:
 def followed(
     handling: Handling, start: Array, ends: Mapping[int, Array], left_out: Collection[int] = ()
 ) -> Followed:
-    """Follow the parts through a whole program.
+    """Follow the workpieces through a whole program.
 
     Args:
-        handling: its steps and the cell.
-        start: the robot's first position (n,) [rad or m].
+        handling: steps of the program, and the cell.
+        start: the robot's first joint positions (n,) [rad or m].
         ends: where each motion ends (n,), by its step. In a partial plan some ends are missing. After a
             missing end, grippers do nothing until the next motion with an end.
         left_out: steps that aren't carried out. A WHEN can only be left out together with its ELSE and END;
@@ -412,14 +418,14 @@ def followed(
 def handling_of(
     robot: Robot, cell: Cell | None, steps: Sequence[Step], allowed: Allowances | None = None
 ) -> Handling:
-    """Return the data for following the parts of a program.
+    """Return the data with which the workpieces of a program are followed.
 
     Args:
         robot: robot in the cell.
         cell: cell around the robot, or None.
         steps: steps of the program.
-        allowed: the bodies that may touch, if the steps are a part of a program; None to derive them from the
-            steps.
+        allowed: the bodies that may touch, if the steps are a section of a program; None to derive them from
+            the steps.
     """
     if allowed is None:
         allowed = allowances(cell, steps)

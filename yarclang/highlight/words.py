@@ -27,7 +27,7 @@ from yarclang.words.registry import word_specs
 
 @dataclass(frozen=True, slots=True)
 class Words:
-    """Words in upper case, and units as they are written.
+    """The words of the language by kind, in upper case, and the units as they are written.
 
     Longer words come first, so that a search doesn't match only the beginning of a word.
 
@@ -56,7 +56,9 @@ class Words:
 
 @cache
 def words() -> Words:
-    """Return all words, including those of commands, profiles and units that are registered later."""
+    """Return all words of the language, including those of commands, profiles and units that are
+    registered later.
+    """
     specs = commands().values()
     names = {name for spec in specs for name in (spec.name, spec.old_name) if name} | actions().keys()
     blocks = BLOCK_HEADS | BLOCK_ENDS | {"ELSE", "OF"}

@@ -1,4 +1,4 @@
-"""Run the rules on the results of the stages that are available."""
+"""Run the lint rules on the results of those stages of the compiler that could run."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ def lint(
     found: Collection[Diagnostic],
     silent: Collection[str] = (),
 ) -> tuple[Diagnostic, ...]:
-    """Return the findings of the rules about a program.
+    """Check a program by all lint rules, and return their findings.
 
     Args:
-        products: the available results of the stages, of the types that rules read.
+        products: the available results of the compiler's stages, of the types that rules read.
         surroundings: context for every rule.
         found: findings of the stages. Rules skip commands with errors, unless they explain errors.
         silent: codes of rules that are not run.
@@ -33,7 +33,9 @@ def lint(
 
 
 def remarks(products: Iterable[object], surroundings: Surroundings, silent: Collection[str]) -> Remarks:
-    """Run the rules that read these products, and return their remarks. The arguments are those of `lint`."""
+    """Run the lint rules that read these results of the compiler's stages, and return their remarks. The
+    arguments are those of `lint`.
+    """
     by_type = {type(product): product for product in products}
     said: dict[Rule[Any], tuple[Remark, ...]] = {}
     for rule in rules():
@@ -46,13 +48,13 @@ def remarks(products: Iterable[object], surroundings: Surroundings, silent: Coll
 def findings_of(
     said: Remarks, surroundings: Surroundings, found: Collection[Diagnostic]
 ) -> tuple[Diagnostic, ...]:
-    """Convert the remarks of rules to findings.
+    """Convert the remarks of lint rules to findings.
 
     Args:
         said: the remarks.
         surroundings: context for every rule.
-        found: findings of the stages; remarks on commands with errors are dropped, unless they explain
-            errors.
+        found: findings of the compiler's stages; remarks on commands with errors are dropped, unless they
+            explain errors.
     """
     failed = {
         (one.source.name if one.source else "", line)

@@ -26,10 +26,10 @@ from yarclang.words.registry import word_specs
 
 @frozen
 class Declared:
-    """A declaration.
+    """A declaration in a file.
 
     Attributes:
-        word: its word; FRAME for both kinds of frames.
+        word: word of the language that declares; FRAME for both kinds of frames.
         name: the declared name in upper case.
         statement: the line.
         span: place of the name.
@@ -58,8 +58,8 @@ class Names:
     is_program: bool = False
 
     def unused(self, *words: str) -> Iterator[Declared]:
-        """Yield the declarations that begin with one of some words and whose name the file doesn't use;
-        none in a module.
+        """Yield the declarations with some words (such as LET) whose name the file doesn't use; none in a
+        module.
         """
         if not self.is_program:
             return

@@ -1,4 +1,4 @@
-"""Registry of all rules, the RULE of each file in lint/rules, and the catalogue of all findings."""
+"""Registry of all lint rules, the RULE of each file in lint/rules, and the catalogue of all findings."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from yarclang.named import by_name
 
 @cache
 def rules() -> tuple[Rule[Any], ...]:
-    """Return the rules in the order of their codes."""
+    """Return the lint rules in the order of their codes."""
     return tuple(rule for _, rule in _placed())
 
 
@@ -43,8 +43,8 @@ def everything() -> Mapping[str, Finding]:
 
 
 def codes_of(word: str) -> tuple[str, ...]:
-    """Return the codes that a word means: a code (Y0611), the beginning of codes (Y06), or a name
-    (slow-motion). Empty for an unknown word.
+    """Return the codes of the findings that a word selects: a code (Y0611), the beginning of codes (Y06), or
+    a name (slow-motion). Empty for an unknown word.
     """
     upper = word.strip().upper()
     if upper.startswith("Y") and upper[1:].isdigit():

@@ -22,7 +22,7 @@ T = TypeVar("T")
 
 @frozen
 class Remark:
-    """A remark of a rule about one place.
+    """A remark of a lint rule about one place in a program.
 
     Attributes:
         message: the sentence, with its numbers.
@@ -43,10 +43,10 @@ class Remark:
 
 @dataclass(frozen=True, eq=False)
 class Surroundings:
-    """Context for every rule, besides the product that it reads.
+    """Context for every lint rule, besides the product that the rule reads.
 
     Attributes:
-        module: the file that is checked.
+        module: syntax tree of the file that is checked.
         robot: the robot.
         steps: the steps of the program.
         teach: True if the project is for teaching, at reduced speed.
@@ -67,20 +67,20 @@ class Surroundings:
 
 @frozen(eq=False)
 class Rule(Generic[T]):
-    """One rule.
+    """A lint rule.
 
     A rule runs only if the product that it reads is available: a program with errors has no plan. Its remarks
-    on commands with errors are dropped, unless it explains errors.
+    on commands with errors are dropped, unless the rule explains errors.
 
     Attributes:
-        finding: its entry in the catalogue: code, name, severity, and the documentation.
+        finding: the rule's entry in the catalogue: code, name, severity, and the documentation.
         reads: type of the product that `look` gets: the syntax tree (`Module`), the checked program
             (`Program`), the plan (`MotionPlan`) or the certificate (`Certificate`).
-        look: yields the remarks about a product.
+        look: function that takes a product and yields the remarks about it.
         valid: programs for INDUSTRIAL6 without the finding.
         invalid: programs for INDUSTRIAL6 with the finding. All programs compile, except that an `invalid` one
             may contain the error that the rule explains.
-        explains_errors: True if its remarks stay on commands with errors.
+        explains_errors: True if the remarks stay on commands with errors.
         teach: True if the examples are checked with `teach = true`.
     """
 

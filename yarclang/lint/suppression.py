@@ -30,7 +30,7 @@ _MOST_HELPED = 20
 
 @frozen
 class Suppression:
-    """One code in a comment.
+    """One code of a finding in a comment that suppresses findings.
 
     Attributes:
         code: the code.
@@ -93,7 +93,7 @@ def suppress(
 
 
 def _without_those_of_modules(source: SourceFile, found: tuple[Diagnostic, ...]) -> tuple[Diagnostic, ...]:
-    """Return the findings without those that a comment in a module suppresses at their line in the module."""
+    """Return the findings except those in modules that a comment in the module suppresses."""
     read: dict[str, set[tuple[str, int]]] = {}
 
     def is_suppressed(one: Diagnostic) -> bool:
@@ -111,7 +111,7 @@ def _without_those_of_modules(source: SourceFile, found: tuple[Diagnostic, ...])
 def _speaking_of(
     finding: Diagnostic, source: SourceFile, by_line: Mapping[tuple[str, int], list[Suppression]]
 ) -> list[Suppression]:
-    """Return the suppressions of a finding's code at its lines."""
+    """Return the suppressing comments for a finding's code at its lines."""
     span = finding.span
     if finding.source is None or span is None or finding.source.name != source.name:
         return []
@@ -156,8 +156,8 @@ def _read(source: SourceFile) -> tuple[list[Diagnostic], list[Suppression]]:
 
 
 def _code(word: str) -> tuple[str, str]:
-    """Return the code that a word means and an empty text. If it means none, return an empty text and the
-    error message.
+    """Return the code of the finding that a word in a comment selects, and an empty text. If the word selects
+    none that can be suppressed, return an empty text and the error message.
     """
     codes = _codes(word)
     if not codes:
@@ -168,8 +168,8 @@ def _code(word: str) -> tuple[str, str]:
 
 
 def _help(word: str) -> tuple[str, Name | None]:
-    """Return the help about a word that isn't a code that can be suppressed, and the word itself if it is
-    unknown.
+    """Return the help about a word in a comment that selects no finding that can be suppressed, and the word
+    itself if it is unknown.
     """
     if _codes(word):
         return "yarc explain says what to do about it", None
@@ -178,7 +178,9 @@ def _help(word: str) -> tuple[str, Name | None]:
 
 
 def _codes(word: str) -> tuple[str, ...]:
-    """Return the codes that a word in a comment means; empty if it is only the beginning of codes."""
+    """Return the codes of the findings that a word in a comment selects; empty if the word is only the
+    beginning of codes.
+    """
     return () if _BEGINNING.fullmatch(word) else codes_of(word)
 
 
@@ -193,11 +195,11 @@ def _next_lines(source: SourceFile) -> list[int]:
 
 
 def _without(source: SourceFile, number: int, found: re.Match[str]) -> Fix:
-    """Return the fix that removes a whole comment, and its line if the line is empty then.
+    """Return the fix that removes a whole suppressing comment, and its line if the line is empty then.
 
     Args:
         source: the file.
-        number: the line, from 1.
+        number: number of the line, from 1.
         found: the suppression in the line.
     """
     line = source.line(number)
@@ -212,10 +214,10 @@ def _without(source: SourceFile, number: int, found: re.Match[str]) -> Fix:
 
 
 def _fewer(number: int, words: list[re.Match[str]], at: int) -> Fix:
-    """Return the fix that removes one code and the comma beside it.
+    """Return the fix that removes one code from a suppressing comment, and the comma beside it.
 
     Args:
-        number: the line, from 1.
+        number: number of the line, from 1.
         words: the codes in the comment.
         at: number of the code in `words`.
     """

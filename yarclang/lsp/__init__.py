@@ -1,4 +1,5 @@
-"""The language server `yarc lsp`.
+"""The language server `yarc lsp`, which supports editors by the Language Server Protocol.
 
-It translates the results of yarclang.assist and of the pipeline to the protocol, and computes nothing itself.
+It translates the results of yarclang.assist and of the compiler's stages to the protocol, and computes
+nothing itself.
 """

@@ -29,7 +29,7 @@ _SHOWN_BY = 0.1
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Analysis:
-    """The results of checking one version of a text.
+    """The results of checking one version of a text that is open in the editor.
 
     Attributes:
         document: the text.
@@ -57,19 +57,19 @@ class Analysis:
 
 @dataclass(slots=True)
 class _Desk:
-    """An open text.
+    """A text that is open in the editor, with the state of its checks.
 
     Attributes:
-        document: its newest version.
+        document: newest version of the text.
         generation: number of checks that were requested.
         analysis: the latest results.
         begun: results of the newest version without planning.
         planned: findings that only planning reports.
         early: results of the newest version before the proof.
         proved: findings that only a proof reports.
-        whole: set when everything is known.
-        some: set when anything is known.
-        most: set when everything is known, except perhaps the proof.
+        whole: event that is set when all results are ready.
+        some: event that is set when any results are ready.
+        most: event that is set when all results are ready, except perhaps those of the proof.
     """
 
     document: Document
@@ -85,7 +85,7 @@ class _Desk:
 
 
 class Analyses:
-    """Analyses of all open texts.
+    """The checks of all texts that are open in the editor.
 
     Everything except the checks themselves runs in the event loop's thread. There, `arrived` is called with
     each new analysis.
@@ -142,7 +142,7 @@ class Analyses:
         self._take_out(uri)
 
     def _take_out(self, uri: str) -> None:
-        """Remove a text from the queues."""
+        """Remove a text from the queues of texts that wait for a check."""
         self._unread.discard(uri)
         if uri in self._touched:
             self._touched.remove(uri)
@@ -162,7 +162,7 @@ class Analyses:
         """Wait for the complete results of a text.
 
         Args:
-            uri: the text.
+            uri: URI of the text.
             patience: longest time to wait [s]; None waits without limit.
 
         Returns:
@@ -183,7 +183,7 @@ class Analyses:
         """Wait until a text's motions are planned, whether proved or not, and return the results.
 
         Args:
-            uri: the text.
+            uri: URI of the text.
             patience: longest time to wait [s].
 
         Returns:
@@ -201,7 +201,7 @@ class Analyses:
         return found if found is None or found.is_whole else desk.early or found
 
     def close(self) -> None:
-        """Stop all work."""
+        """Stop all checks."""
         for uri in list(self._desks):
             self.drop(uri)
         for pool in (self._checking, self._planning, self._reading):
@@ -243,7 +243,7 @@ class Analyses:
             self._arrived(_of_syntax(desk, document, generation, found))
 
     async def _look(self, uri: str, plans: bool) -> None:
-        """Check a text, with or without planning."""
+        """Check a text in a thread, with or without planning."""
         desk = self._desks.get(uri)
         if desk is None:
             return
@@ -286,7 +286,9 @@ class Analyses:
     def _show_early(
         self, desk: _Desk, document: Document, generation: int, checked: Checked, shown: threading.Event
     ) -> None:
-        """Show the findings before the proof, together with those of the last proof in unchanged lines."""
+        """Show the findings that are known before the proof, together with those of the last proof in
+        unchanged lines.
+        """
         if self._desks.get(document.uri) is desk and desk.generation == generation:
             rest = () if desk.proved is None else tuple(carried(desk.proved, document.source))
             desk.early = Analysis(document, generation, checked, False, rest, is_planned=True)
@@ -318,8 +320,8 @@ class Analyses:
 
 
 def _of_syntax(desk: _Desk, document: Document, generation: int, found: tuple[Diagnostic, ...]) -> Analysis:
-    """Return the syntax errors of a long text, and the other findings that are in unchanged lines. Nothing
-    is stored.
+    """Return an analysis with the syntax errors of a long text, and with the older findings of other kinds in
+    unchanged lines. Nothing is stored.
     """
     rest: tuple[Diagnostic, ...] = ()
     if desk.analysis is not None:

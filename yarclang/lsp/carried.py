@@ -1,4 +1,4 @@
-"""Keep findings of planning in lines that an edit leaves unchanged.
+"""Keep showing the findings of planning in lines that an edit leaves unchanged.
 
 They are shown until motions are planned again, so that the display doesn't flicker.
 """
@@ -15,7 +15,7 @@ from yarclang.source import SourceFile, Span
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Planned:
-    """Findings that only planning reports.
+    """Findings that were missing in the check without planning.
 
     Attributes:
         source: the text that they are about.
@@ -38,7 +38,7 @@ def _key(one: Diagnostic) -> tuple[str, str, Span | None]:
 
 
 def carried(planned: Planned, source: SourceFile) -> Iterator[Diagnostic]:
-    """Yield the findings in unchanged lines, at their places in a newer text.
+    """Yield the findings of an older text that are in unchanged lines, at their places in a newer text.
 
     Fixes are left out, because they belong to the older text.
     """

@@ -45,13 +45,14 @@ class Checks:
         is_stale: Callable[[], bool],
         early: Callable[[Checked], None] | None = None,
     ) -> Checked | None:
-        """Check a text.
+        """Check a text that is open in the editor.
 
         Args:
             document: the text.
             plans: True to plan and prove motions.
             begun: results of this text without planning, if they exist.
-            is_stale: called between motions; returns True if nobody waits for the results any more.
+            is_stale: function, called between motions, that returns True if nobody waits for the results any
+                more.
             early: called with the results when all motions are planned, before they are proved.
 
         Returns:
@@ -80,7 +81,7 @@ class Checks:
         return tuple(one for one in parse(document.source).diagnostics if one.family == SYNTAX)
 
     def of_text(self, source: SourceFile, folder: Path) -> Checked:
-        """Check a program that isn't open, completely."""
+        """Check a program that isn't open in the editor, completely."""
         found = self._look(source, folder, quick=False)
         assert found is not None  # it can't be cancelled
         return found.checked
@@ -101,7 +102,8 @@ class Checks:
         return analyst.analyse(source, folder, quick=quick, begun=begun, cancelled=is_stale, early=early)
 
     def _described(self, document: Document) -> Checked:
-        """Check the file of a cell for the robot of its folder, or the file of a robot or a project.
+        """Check a text that isn't a program: the file of a cell (for the robot of its folder), of a robot or
+        of a project.
 
         A table of way-points has no findings of its own, because it is checked by the programs that name it.
         """

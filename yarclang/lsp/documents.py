@@ -24,7 +24,7 @@ TABLE = SUFFIX
 
 @dataclass(frozen=True, eq=False)
 class Document:
-    """One version of an open text.
+    """One version of a text that is open in the editor.
 
     Attributes:
         uri: the client's name for the text.
@@ -54,13 +54,13 @@ class Document:
 
     @cached_property
     def sketch(self) -> Sketch:
-        """Return the text's structure."""
+        """Return the statements, blocks and names of the text."""
         return sketch_of(self.source)
 
     @property
     def is_program(self) -> bool:
-        """Return True for a program or a module. Other texts describe a cell, robot or project, or are
-        tables.
+        """Return True for a program or a module. Other texts describe a cell, robot or project, or are tables
+        of way-points.
         """
         return not self.uri.lower().endswith((DESCRIPTION, TABLE))
 
@@ -76,7 +76,7 @@ def changed(
     version: int,
     encoding: str,
 ) -> Document:
-    """Return the next version of a document.
+    """Apply the client's changes to a text, and return its next version.
 
     Each change refers to the text that results from the previous changes.
     """

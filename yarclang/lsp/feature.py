@@ -9,11 +9,11 @@ from typing import Any
 
 @dataclass(frozen=True, slots=True)
 class Feature:
-    """Some methods of the protocol.
+    """A feature of the language server: some methods of the protocol, with the functions that answer them.
 
     Attributes:
         methods: by method, the function of server and parameters that answers, and the announced options.
-        listens: called with the server and each new analysis.
+        listens: function that is called with the server and each new analysis.
         commands: functions that the client may call by name.
     """
 

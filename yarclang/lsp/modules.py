@@ -64,7 +64,7 @@ class Modules:
         return {one.path: one for one in list(self._documents.values()) if one.path is not None}
 
     def _saved(self, path: Path) -> Sketch | None:
-        """Return the structure of a saved file. It is read again only if the file has changed."""
+        """Return the statements and names of a saved file. The file is read again only if it has changed."""
         try:
             stamp = path.stat().st_mtime_ns
         except OSError:
@@ -91,8 +91,8 @@ class Modules:
 def _may_speak_of(user: Document, used: Document) -> bool:
     """Return True if the findings of a text may depend on another text.
 
-    The other text may be a module of the folder, a table that the text names, or any description of a cell,
-    robot or project.
+    The other text may be a module of the folder, a table of way-points that the text names, or any
+    description of a cell, robot or project.
     """
     if used.path is None:
         return False

@@ -1,4 +1,6 @@
-"""Positions of the protocol: lines from 0, columns in the units that client and server have agreed on."""
+"""Convert positions of the Language Server Protocol: lines from 0, columns in the units that client and
+server have agreed on.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,7 @@ UTF32 = types.PositionEncodingKind.Utf32
 
 
 def units_of(text: str, encoding: str) -> int:
-    """Return the number of units of a text."""
+    """Return the length of a text in the units in which client and server count columns."""
     if text.isascii() or encoding == UTF32:
         return len(text)
     if encoding == UTF8:
@@ -21,7 +23,9 @@ def units_of(text: str, encoding: str) -> int:
 
 
 def position_of(source: SourceFile, line: int, column: int, encoding: str) -> types.Position:
-    """Return the position of a line and column from 1. For a column after the line's end, return the end."""
+    """Return the protocol's position of a line and column from 1. For a column after the line's end,
+    return the end.
+    """
     return position_in(source.line(line), line, column, encoding)
 
 
@@ -31,7 +35,7 @@ def position_in(text: str, line: int, column: int, encoding: str) -> types.Posit
 
 
 def range_of(source: SourceFile, span: Span, encoding: str) -> types.Range:
-    """Return the range of a span."""
+    """Convert a span of a text to the protocol's range."""
     return types.Range(
         position_of(source, span.line, span.column, encoding),
         position_of(source, span.end_line, span.end_column, encoding),
@@ -39,7 +43,7 @@ def range_of(source: SourceFile, span: Span, encoding: str) -> types.Range:
 
 
 def column_of(line: str, units: int, encoding: str) -> int:
-    """Return the column from 1 that is `units` units after a line's beginning.
+    """Return the column (from 1) that is `units` units of the protocol after a line's beginning.
 
     If this is inside a character, return the character's column.
     """
@@ -58,7 +62,9 @@ def column_of(line: str, units: int, encoding: str) -> int:
 
 
 def place_of(source: SourceFile, position: types.Position, encoding: str) -> tuple[int, int]:
-    """Return line and column from 1 of a position. For a position after the text's end, return the end."""
+    """Return line and column (from 1) of a protocol's position. For a position after the text's end,
+    return the end.
+    """
     lines = source.lines
     if position.line < 0:
         return 1, 1
@@ -70,5 +76,5 @@ def place_of(source: SourceFile, position: types.Position, encoding: str) -> tup
 
 
 def span_of(source: SourceFile, range_: types.Range, encoding: str) -> Span:
-    """Return the span of a range."""
+    """Convert a protocol's range to a span of a text."""
     return Span(*place_of(source, range_.start, encoding), *place_of(source, range_.end, encoding))

@@ -1,4 +1,4 @@
-"""The server: the texts that the client opens and changes, and the features that answer."""
+"""The language server: the texts that the client opens and changes, and the features that answer."""
 
 from __future__ import annotations
 
@@ -42,8 +42,8 @@ _LOG = logging.getLogger(__name__)
 
 
 class Protocol(LanguageServerProtocol):
-    """The protocol without pygls's own store of texts, which splits lines at more characters than the
-    protocol does.
+    """The Language Server Protocol without pygls's own store of texts, which splits lines at more characters
+    than the protocol does.
     """
 
     def _execute_handler(
@@ -54,8 +54,8 @@ class Protocol(LanguageServerProtocol):
         args: tuple[Any, ...] | None = None,
         kwargs: dict[str, Any] | None = None,
     ) -> None:
-        """Call a handler as pygls does, and drop it when it is done. pygls would keep each notification for
-        ever.
+        """Call a handler as pygls does, and forget the call when it is done. pygls would remember the calls
+        of notifications for ever.
         """
         super()._execute_handler(msg_id, handler, callback, args, kwargs)
         future = self._request_futures.get(msg_id)
@@ -85,7 +85,7 @@ class Protocol(LanguageServerProtocol):
 
 
 class Server(LanguageServer):
-    """A server for one client."""
+    """A language server for one client."""
 
     def __init__(self, options: Options) -> None:
         super().__init__("yarc", __version__, protocol_cls=Protocol, max_workers=2)
@@ -115,9 +115,11 @@ class Server(LanguageServer):
             self.listeners.append(feature.listens)
 
     def _answering(self, answer: Callable[..., Any]) -> Callable[..., Any]:
-        """Return the function that answers a method, as a function of the parameters alone.
+        """Wrap the function that answers a method of the protocol, so that it takes the parameters alone,
+        without the server.
 
-        It is a coroutine function if the original function is one, because pygls treats the two differently.
+        The result is a coroutine function if the original function is one, because pygls treats the two
+        differently.
         """
 
         async def awaited(*params: Any) -> Any:
@@ -162,7 +164,8 @@ class Server(LanguageServer):
         return self.view(uri) if document is not None and document.is_program else None
 
     def views_beside(self, uri: str, *others: str) -> list[View]:
-        """Return the views of the programs and modules in a text's folder, and those of other files by name.
+        """Return the views (text and analysis) of the programs and modules in a text's folder, and of other
+        files by name.
 
         Files that are open have the client's content.
         """
@@ -181,7 +184,9 @@ class Server(LanguageServer):
         return list(views.values())
 
     def caller_of(self, item: types.CallHierarchyItem) -> tuple[Caller, list[View]] | None:
-        """Return the SUB or file to which a client's item refers, and the views of the files around it."""
+        """Return the SUB or file that an item of the client's call hierarchy stands for, and the views of the
+        files around it.
+        """
         path = to_fs_path(item.uri)
         beside = next((one.uri for one in self.documents.values() if one.is_program), None)
         uri = item.uri if item.uri in self.documents else beside
@@ -197,9 +202,7 @@ class Server(LanguageServer):
         return (found, views) if found is not None else None
 
     def uri_of(self, name: str) -> str:
-        """Return the URI of the file that findings call `name`. For an open file, this is the client's
-        URI.
-        """
+        """Return the URI of a file from its name in findings. For an open file, this is the client's URI."""
         open_ = next((one.uri for one in self.documents.values() if one.source.name == name), None)
         return open_ or uri_of(name)
 
@@ -219,17 +222,20 @@ class Server(LanguageServer):
 
     @cached_property
     def files(self) -> Path:
-        """Return a temporary folder for files that the client shows. It is deleted when the server ends."""
+        """Return a temporary folder for files that the client is asked to show. It is deleted when the
+        server ends.
+        """
         self._folder = TemporaryDirectory(prefix="yarc-lsp-")
         return Path(self._folder.name)
 
     async def answer(self, uri: str, work: Any, *arguments: Any) -> Any:
-        """Do some work on a text in a thread, so that the server can read further messages in the meantime.
+        """Run a function about a text in a thread, so that the server can read further messages in the
+        meantime, and return the function's result.
 
         Args:
-            uri: the text.
+            uri: URI of the text.
             work: the function to call.
-            arguments: its arguments.
+            arguments: arguments of the function.
 
         Raises:
             Outdated: the text has changed in the meantime.
@@ -255,7 +261,7 @@ class Server(LanguageServer):
     # Changes of the open texts.
 
     def opened(self, document: Document) -> None:
-        """Open a text."""
+        """Store a text that the client has opened, and check it."""
         self.documents[document.uri] = document
         self._lay_out()
         self.analyses.put(document)
@@ -271,7 +277,7 @@ class Server(LanguageServer):
         self.opened(changed(before, params.content_changes, params.text_document.version, self.encoding))
 
     def closed(self, uri: str) -> None:
-        """Close a text."""
+        """Forget a text that the client has closed."""
         document = self.documents.pop(uri, None)
         self._views.pop(uri, None)
         self.owed.discard(uri)
@@ -281,7 +287,7 @@ class Server(LanguageServer):
             self.modules.changed(document, self.analyses)
 
     def touched(self, uri: str) -> None:
-        """Check the texts that depend on a file that was saved, or that another program has changed."""
+        """Check the open texts that depend on a file that was saved, or that another program has changed."""
         self.modules.changed(self.documents.get(uri) or Document(uri, 0, ""), self.analyses)
 
     def _lay_out(self) -> None:

@@ -25,7 +25,7 @@ younger generations.
 
 
 def serve(address: tuple[str, int] | None, robot: str | None = None) -> None:
-    """Serve one client until it leaves.
+    """Serve one editor by the Language Server Protocol until it leaves.
 
     Args:
         address: host and port to listen on; None for standard input and output.
@@ -45,7 +45,7 @@ def serve(address: tuple[str, int] | None, robot: str | None = None) -> None:
 
 
 def _editor(host: str, port: int) -> socket.socket:
-    """Wait until an editor connects.
+    """Wait until an editor connects to the server's port.
 
     Any page in a browser can connect to a port of this computer. Connections that don't begin as the protocol
     requires are therefore closed.

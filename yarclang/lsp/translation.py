@@ -1,4 +1,4 @@
-"""Translate findings to the protocol."""
+"""Convert findings and edits to the Language Server Protocol."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _TAGS = {
 
 
 def diagnostic_of(document: Document, finding: Diagnostic, encoding: str) -> types.Diagnostic:
-    """Return one finding.
+    """Convert a finding to a diagnostic of the protocol.
 
     A finding in another file is shown at the beginning of the text, with its place as related information.
     The result is shared and must not be changed.
@@ -59,7 +59,9 @@ def diagnostic_of(document: Document, finding: Diagnostic, encoding: str) -> typ
 
 
 def _called(source: SourceFile, finding: Diagnostic, within: Within, encoding: str) -> types.Diagnostic:
-    """Return a finding in a module at the calling line, with the module's line as related information."""
+    """Convert a finding in a module to a diagnostic at the calling line, with the module's line as related
+    information.
+    """
     range_ = shown_range(source, finding.span, encoding)
     message = f"{finding.message}\n{within.text}"  # some editors don't show related information
     shown = _diagnostic(finding.code, finding.severity, message, finding.help, range_)
@@ -69,8 +71,8 @@ def _called(source: SourceFile, finding: Diagnostic, within: Within, encoding: s
 
 
 def expect(findings: int) -> None:
-    """Make room in the cache for the findings of a text. Most findings of its next version will be the
-    same.
+    """Make room in the cache for a number of diagnostics. Most findings of a text will be the same in its
+    next version.
     """
     _on_line.expect(findings)
 
@@ -78,8 +80,8 @@ def expect(findings: int) -> None:
 def _made_on_line(
     code: str, severity: str, message: str, help_: str, line: str, span: Span, encoding: str
 ) -> types.Diagnostic:
-    """Return a finding within one line. Cached, because an edit changes only a few of a long program's
-    findings.
+    """Convert a finding within one line to a diagnostic. Results are cached, because an edit changes only a
+    few of a long program's findings.
     """
     column = min(span.column, max(len(line), 1))  # for something missing at the end, the last character
     range_ = types.Range(
@@ -123,12 +125,14 @@ def shown_range(source: SourceFile, span: Span | None, encoding: str) -> types.R
 
 
 def text_edits(source: SourceFile, edits: Iterable[Edit], encoding: str) -> list[types.TextEdit]:
-    """Return edits of a text."""
+    """Convert edits of a text to those of the protocol."""
     return [types.TextEdit(range_of(source, one.span, encoding), one.text) for one in edits]
 
 
 def markup(text: str, formats: Iterable[object] | None) -> types.MarkupContent:
-    """Return a text in Markdown for clients that accept Markdown, and without marks for other clients."""
+    """Return a text in Markdown for clients that accept Markdown, and without Markdown's marks for other
+    clients.
+    """
     kinds = [getattr(one, "value", one) for one in formats or ()]
     if types.MarkupKind.Markdown.value in kinds:
         return types.MarkupContent(types.MarkupKind.Markdown, text)
@@ -138,5 +142,5 @@ def markup(text: str, formats: Iterable[object] | None) -> types.MarkupContent:
 
 
 def uri_of(name: str) -> str:
-    """Return the URI of a file that findings call `name`."""
+    """Return the URI of a file from its name in findings."""
     return Path(name).absolute().as_uri()

@@ -1,1 +1,3 @@
-"""Recognise common mistakes in lines that can't be read: one finding for each line, with its repair."""
+"""Recognise common mistakes in program lines that can't be read: one finding for each line, with its
+repair.
+"""

@@ -136,7 +136,7 @@ def wait(line: Line) -> Guess | None:
 
 
 def turned(line: Line) -> Guess | None:
-    """Recognise signals and states in the wrong form.
+    """Recognise outputs, inputs and their states in a wrong form.
 
     These are an output without SET, a state before its output or after a comma, a WHEN without a state, a
     STOP with a text, and a REGISTER without a range.

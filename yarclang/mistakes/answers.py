@@ -1,4 +1,6 @@
-"""Replace the findings of a line that can't be read by one finding, if a guesser recognises the mistake."""
+"""Replace the findings of a line that can't be read by a single one, if one of the functions of this package
+recognises the mistake.
+"""
 
 from __future__ import annotations
 
@@ -93,8 +95,8 @@ GUESSERS: tuple[Guesser, ...] = (
 
 
 def answered(diagnostics: Iterable[Diagnostic], source: SourceFile) -> tuple[Diagnostic, ...]:
-    """Return the findings. If a guesser recognises the mistake in a line that can't be read, its finding
-    replaces the others.
+    """Return the findings of a program. If the mistake in a line that can't be read is recognised, one
+    finding about the mistake replaces the line's others.
 
     The new finding has the code of the line's first error. It has a fix if only one repair is likely.
 
@@ -141,13 +143,13 @@ def answered(diagnostics: Iterable[Diagnostic], source: SourceFile) -> tuple[Dia
 
 
 def _is_of_the_line(one: Diagnostic) -> bool:
-    """Return True if a finding means that its line can't be read."""
+    """Return True if a finding says that its line can't be read."""
     return one.is_error and one.code not in _UNDERSTOOD and family_of(one.code) in _FAMILIES
 
 
 def _line(one: Diagnostic, source: SourceFile) -> int:
-    """Return the line of the program that a finding is about; 0 if it is about another file or several
-    lines.
+    """Return the number of the program's line that a finding is about; 0 if the finding is about another file
+    or several lines.
     """
     if (
         one.source is not source

@@ -1,4 +1,4 @@
-"""Recognise speeds and corners after the values, as other languages write them."""
+"""Recognise speeds and blend zones written after the values, as in other languages."""
 
 from __future__ import annotations
 

@@ -150,7 +150,7 @@ def hold(line: Line) -> Guess | None:
 
 
 def several(line: Line) -> Guess | None:
-    """Recognise two commands on a line, a semicolon at its end, and empty brackets after a CALL."""
+    """Recognise two commands on a line, a semicolon at the end of a line, and empty brackets after a CALL."""
     if line.is_command and (found := _SECOND.search(line.bare, line.behind)) and is_command(found["word"]):
         first = line.text[: found.start()].rstrip()
         begin, end = found.start("index"), found.end("index")

@@ -30,7 +30,7 @@ _NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
 
 
 class Guess:
-    """A guess of what a line was meant to be.
+    """A guess of what a line that can't be read was meant to be.
 
     Args:
         begin: start of the mistake in the line, from 0.
@@ -105,7 +105,9 @@ class Around:
         return [(number, int(match[1])) for number, line in lines if (match := _INDEX.match(line))]
 
     def units_at(self, number: int) -> dict[str, str]:
-        """Return the units by kind in line `number`, counted from 1: its own, or those of DEFAULT above."""
+        """Return the units in line `number`, counted from 1, for lengths, angles and times: its own, or those
+        of DEFAULT above.
+        """
         found: dict[str, str] = {}
         for line, units in self._defaults:
             if line < number:
@@ -125,12 +127,12 @@ def _units_of(line: str) -> dict[str, str]:
 
 
 class Line:
-    """A line, with the parts of a command.
+    """A line of a program, split into index, word, values and comment.
 
     Args:
         text: the line.
-        number: its number, from 1.
-        around: the program around it.
+        number: number of the line, from 1.
+        around: the program around the line.
         after: the next line.
 
     Attributes:
@@ -171,21 +173,21 @@ class Line:
 
     @property
     def units(self) -> dict[str, str]:
-        """Units in this line by kind."""
+        """The units of lengths, angles and times in this line."""
         return self.around.units_at(self.number)
 
     def with_(self, begin: int, end: int, put: str) -> str:
-        """Return the line with other text between two places."""
+        """Return the whole line with the text between two places replaced."""
         return f"{self.text[:begin]}{put}{self.text[end:]}"
 
     def guess(self, begin: int, end: int, message: str, put: str | None = None, help_: str = "") -> Guess:
-        """Return a guess about the text between two places.
+        """Return a guess about the mistake between two places of the line.
 
         Args:
             begin: start of the mistake, from 0.
             end: end of the mistake.
             message: message of the finding.
-            put: text that replaces it; None without a repair.
+            put: text that replaces the mistake; None without a repair.
             help_: remedy; if empty, the repair in words.
         """
         lines = () if put is None else (self.with_(begin, end, put).rstrip(),)
@@ -206,11 +208,13 @@ def is_thousand(text: str) -> bool:
 
 
 def first(line: Line, guessers: Iterable[Guesser]) -> Guess | None:
-    """Return the guess of the first guesser that returns one; None if none does."""
+    """Return the guess of the first function that recognises a mistake in a line; None if none does."""
     return next((found for one in guessers if (found := one(line)) is not None), None)
 
 
 def only(word: str, known: Iterable[str]) -> str:
-    """Return the known name that is most similar to a word; empty if there is none or more than one."""
+    """Return the known name that is most similar to a word; empty if there is no similar name, or more
+    than one.
+    """
     found = near(word, known)
     return found[0] if len(found) == 1 else ""

@@ -15,8 +15,8 @@ _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_.]*")
 
 
 def with_name(source: SourceFile, finding: Diagnostic, name: str) -> Fix | None:
-    """Return the fix that replaces the name in a finding by another; None if the finding's place isn't
-    exactly one name.
+    """Return the fix that replaces the name at a finding's place by another; None if the place isn't exactly
+    one name.
 
     Args:
         source: the program's file.
@@ -35,7 +35,7 @@ def with_name(source: SourceFile, finding: Diagnostic, name: str) -> Fix | None:
 
 
 def named(one: Diagnostic, source: SourceFile, around: Around) -> Diagnostic:
-    """Return a finding about an unknown name with a fix, or with the line of its declaration.
+    """Improve a finding about an unknown name: add a fix, or the line of the name's declaration.
 
     If the name is declared further down, the help names that line. If it looks like a typing error of exactly
     one known name, the finding gets a fix. Any other finding is returned unchanged.

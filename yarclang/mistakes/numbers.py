@@ -67,11 +67,11 @@ def value_list(line: Line) -> Guess | None:
 
 
 def _are_decimals(text: str, count: int) -> bool:
-    """Return True if the commas of a list are decimal signs: the numbers of the list are separated by blanks.
+    """Return True if the commas in a list of numbers are decimal signs: the numbers are separated by blanks.
 
     Args:
         text: the list.
-        count: number of its numbers that have a comma.
+        count: number of the numbers that have a comma.
     """
     return count > 0 and text.count(",") == count and len(text.split()) > count - 1 and len(text.split()) > 1
 
@@ -150,7 +150,7 @@ def decimal_commas(line: Line) -> Guess | None:
 
 
 def _values_around(line: Line, tokens: list[tuple[int, str]]) -> tuple[int, int]:
-    """Return start and end of the numbers around some tokens in a line.
+    """Return start and end of the sequence of numbers in a line that contains some tokens.
 
     Args:
         line: the line.
@@ -229,7 +229,7 @@ def _one(line: Line, at: int, text: str) -> Guess | None:
 
 
 def _half_turn(unit: str | None) -> str:
-    """Return the help about half a turn."""
+    """Return the help for a rotation that was meant as half a turn."""
     if unit == "rad":
         return "write $PI"
     return f"write 180 for half a turn: the line's angles are in {unit or 'deg'}; the number is $PI"
@@ -281,7 +281,9 @@ def _units(line: Line) -> str:
 
 
 def _tokens(line: Line) -> Iterator[tuple[int, str]]:
-    """Yield the texts between blanks after the word, with their places. Texts in brackets are left out."""
+    """Yield the texts between blanks after the line's first word, with their places. Texts in brackets are
+    left out.
+    """
     depth = 0
     for match in re.finditer(r"[\[({]|[\])}]|[^\s;\[\](){}\"]+", line.bare[line.behind :]):
         if match[0] in "[({":

@@ -62,7 +62,7 @@ def _is_told(found: re.Match[str]) -> bool:
 
 
 def _is_off(found: re.Match[str]) -> bool:
-    """Return True if the condition holds while the input is OFF."""
+    """Return True if the condition is true while the input is OFF."""
     said = (found["state"] or found["plain"] or found["is"] or "ON").upper()
     is_off = said in _OFF
     turns = bool(found["not"]) + (found["sign"] in ("<>", "!=", "~="))

@@ -20,7 +20,9 @@ _SAME_TIME = 5e-3
 
 
 def offer_text(offer: OfferDescribed) -> str:
-    """Return the plan of an offer: a line for each motion and, unless it is a single motion, the total."""
+    """Return the plan of a typed motion as text: a line for each motion and, unless it is a single motion,
+    the total.
+    """
     lines = [_motion_text(one) for one in offer.motions]
     # a single motion needs the total too if there is also time at rest or a wait
     if len(lines) != 1 or offer.takes.waits or offer.takes.duration_s > offer.motions[0].seconds + _SAME_TIME:
@@ -31,7 +33,9 @@ def offer_text(offer: OfferDescribed) -> str:
 
 
 def _motion_text(one: MotionOffered) -> str:
-    """Return a line such as `MOVEJ  1.00 s  J5 at 82 % of its velocity  143 mm clear (FOREARM, FENCE)`."""
+    """Return a line about a planned motion, such as `MOVEJ  1.00 s  J5 at 82 % of its velocity  143 mm clear
+    (FOREARM, FENCE)`.
+    """
     words = [one.title, f"{one.seconds:.2f} s", _peak_text(one.peaks)]
     if one.branch:
         words.append(f"{one.branch} configurations")
@@ -43,12 +47,12 @@ def _motion_text(one: MotionOffered) -> str:
 
 
 def hundredths(seconds: float) -> str:
-    """Return a time in the format of the prompt."""
+    """Return a time [s] with two decimals, as the prompt shows times."""
     return f"{seconds:.2f} s"
 
 
 def _peak_text(peaks: Peaks) -> str:
-    """Return the limit that the motion uses most."""
+    """Return the limit that the motion uses most, as text."""
     used = {"its velocity": peaks.velocity, "its acceleration": peaks.acceleration}
     if peaks.jerk is not None:
         used["its jerk"] = peaks.jerk
@@ -65,7 +69,9 @@ def _clearance_text(clearance: ClearanceBound) -> str:
 
 
 def ended_text(ended: Ended | Finished, robot: Robot) -> str:
-    """Return how an order has ended. If the robot isn't at its target, add its position."""
+    """Return a text about how an order has ended. If the robot isn't at its target, add the robot's
+    position.
+    """
     if ended.well:
         return "done"
     lines = [ended.what or "it didn't come to its end"]
@@ -88,5 +94,7 @@ def joints_text(robot: Robot, joints: Array) -> str:
 
 
 def where_text(moving: str, pose: Array, base: str) -> str:
-    """Return the pose (4, 4) [m] of a moving frame in a base frame, with both names, in mm and deg."""
+    """Return the pose (4, 4) [m] of a moving frame in a base frame as text, with both names, in mm and
+    deg.
+    """
     return f"{moving} {pose_text(pose)} in {base}"

@@ -46,7 +46,7 @@ async def write_into_cell(
         session: the user's session.
         path: the cell.toml.
         name: name of the frame, in upper case without braces.
-        base_from_frame: (4, 4) its pose in {B} [m].
+        base_from_frame: (4, 4) pose of the frame in {B} [m].
         parent: parent of a new frame.
 
     Returns:

@@ -55,7 +55,9 @@ class Completion(Completer):
                 yield Choice(choice, -len(rest))
 
     def _spoken(self, document: Document) -> Iterable[Choice]:
-        """Yield candidates of the language, as if they were typed after all declarations of the session."""
+        """Yield completion candidates for a line of the language, as if it were typed after all declarations
+        of the session.
+        """
         interpreter = self._interpreter
         typed = interpreter.lines.behind(document.text)
         line = typed.before + document.cursor_position_row + 1

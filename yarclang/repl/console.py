@@ -1,4 +1,4 @@
-"""The terminal: a prompt with completion and history, a line at the bottom, and keys.
+"""The terminal of `yarc repl`: a prompt with completion and history, a status line at the bottom, and keys.
 
 Without a terminal, lines are read from standard input.
 """
@@ -53,10 +53,10 @@ def history_file() -> Path:
 
 
 async def converse(interpreter: Interpreter, *, terminal: bool) -> None:
-    """Read what the user types until the user leaves, or standard input up to its end.
+    """Read and carry out what the user types until the user leaves, or standard input up to its end.
 
     Args:
-        interpreter: the session.
+        interpreter: the session, which carries out the typed texts.
         terminal: True if there is a terminal.
     """
     toolbar = Toolbar(interpreter.robot, interpreter.picture)

@@ -1,5 +1,5 @@
-"""Declare a value taken from the robot, in the session and in the loaded file. It replaces an older
-declaration.
+"""Declare a position or pose taken from the robot, in the session and in the loaded file. It replaces an
+older declaration of the same name.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 
 
 async def declare(session: Session, name: str, line: str, *, is_frame: bool) -> bool:
-    """Declare a name or change its meaning.
+    """Declare a name in the session, or change its value.
 
-    If the loaded file declares the name, its line is changed as well, after asking the user.
+    If the loaded file declares the name, the file's line is changed as well, after asking the user.
 
     Args:
         session: the user's session.

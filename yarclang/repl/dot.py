@@ -27,16 +27,17 @@ class Misused(Exception):  # noqa: N818 - something a person did, and no failure
 
 @dataclass(frozen=True, slots=True)
 class DotCommand:
-    """A dot command.
+    """A command for the terminal itself, which begins with a dot, such as `.stop`.
 
     Attributes:
-        name: name with its dot.
+        name: name with the dot.
         usage: arguments after the name.
         summary: description in one line.
-        group: its group in the list of `.help`.
-        run: carries out the command.
-        overtakes: True if it is carried out at once, even during a motion and before texts that wait.
-        complete: returns completions of its arguments; None for none.
+        group: group of the command in the list of `.help`.
+        run: function that carries out the command.
+        overtakes: True if the command is carried out at once, even during a motion and before texts that
+            wait.
+        complete: function that returns completions of the arguments; None for none.
         doc: further text for `.help NAME`.
     """
 

@@ -19,13 +19,13 @@ _OF_FILES = ("ROBOT", "START")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LoadedFile:
-    """A program's file as it was read.
+    """A program's file that the session has loaded.
 
     Attributes:
         path: the file.
-        module: its syntax tree.
-        declarations: its top-level declarations, as they are written.
-        commands: indices of its commands.
+        module: syntax tree of the program.
+        declarations: top-level declarations of the program, as they are written.
+        commands: indices of the commands.
     """
 
     path: Path
@@ -40,7 +40,7 @@ def load_file(path: Path, robot: Robot, stands: Array, cell: str | None) -> Resu
     Args:
         path: the file.
         robot: the robot for which the program must be written.
-        stands: (n,) start of a program without a START line [rad or m].
+        stands: (n,) start position of a program without a START line [rad or m].
         cell: path of the cell.toml of session and program.
 
     Returns:

@@ -1,5 +1,5 @@
-"""Carry out typed texts in their order: YARC becomes an offer of the coordinator, and dot commands are in
-`dots/`.
+"""Carry out typed texts in their order: commands of the language are planned by the coordinator, which offers
+them for a start, and dot commands are in `dots/`.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from yarclang.subjects import suggest
 
 
 class Interpreter(Session):
-    """A session that carries out typed texts.
+    """A user's session, with the functions that carry out typed texts.
 
     Texts are carried out one after the other, in the order in which they were typed. Orders (`.stop`,
     `.hold`, ...) are carried out before all others.
@@ -42,7 +42,9 @@ class Interpreter(Session):
             self._arrived.set()
 
     def _go_on(self) -> None:
-        """Handle an empty line: continue after a hold, or with the next step. Do nothing if nothing waits."""
+        """Handle an empty line: continue after a hold, or with the next single step. Do nothing if the robot
+        waits for neither.
+        """
         if (self.picture.under_way or self.picture.paused) and self.owns:
             self.order(orders.Resume())
 

@@ -1,9 +1,9 @@
-"""Compute jogs from held keys: axis, direction and speed. This depends neither on the terminal nor on the
+"""Compute jogs from pressed keys: axis, direction and speed. This depends neither on the terminal nor on the
 robot.
 
 A terminal reports that a key is pressed, and pressed again, but never that it is released. Therefore each
-press moves the robot for `HELD`, and the repetition of a held key keeps the robot moving. Between two presses
-the live motion stays open, with rest as its target.
+press moves the robot for the time `HELD`, and the repetition of a pressed key keeps the robot moving. Between
+two presses the live motion stays open, with rest as its target.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ _START = 0.1
 
 @dataclass(frozen=True, slots=True)
 class Axis:
-    """An axis that a key moves.
+    """A joint, or an axis of the tool frame, that a key moves.
 
     Attributes:
         kind: a joint of the robot, or an axis of the tool in the directions of {B} or of the tool itself.
@@ -100,11 +100,11 @@ class Jogging:
             self.axis = Axis("base" if self.axis.kind == "tool" else "tool", self.axis.number)
 
     def moves(self, now: float) -> bool:
-        """Return True if a key is held at a time [s]."""
+        """Return True if a key is pressed at a time [s]."""
         return now - self._since < HELD
 
     def want(self, now: float) -> wants.MoveJoints | wants.MoveTool:
-        """Return the wanted motion at a time [s]."""
+        """Return the live motion that the pressed keys request at a time [s]."""
         speed = self._sign * self.share * self._fastest if self.moves(now) else 0.0
         if self.axis.kind == "joint":
             number = self.axis.number

@@ -51,12 +51,12 @@ _KEPT = 200
 
 
 class Session:
-    """The session of one user, for dot commands.
+    """The state of one user's session in the terminal, on which dot commands work.
 
     Args:
         attached: this user's connection to the coordinator that owns the robot.
         robot: the robot.
-        say: shows lines to the user.
+        say: function that shows lines to the user.
         folder: folder in which files are read and written.
         asks: True to ask before motions.
         tm: longest segment time for planning [ms]; None for that of the robot.
@@ -68,7 +68,7 @@ class Session:
         file: the loaded program.
         touching: the calibration that is running.
         jogging: the jog that is running and receives the keys.
-        has_keys: True if the terminal can report held keys.
+        has_keys: True if the terminal can report pressed keys.
         ended_live: result of the last live motion, if it ended since this attribute was last reset.
         messages: messages of the robot, the newest last.
         failed: True if a typed text couldn't be carried out.
@@ -142,7 +142,7 @@ class Session:
         """Handle Ctrl-C. The first time, stop the robot on its path; the second time, stop each motor at
         once.
 
-        Texts that wait and an open question are dropped.
+        Typed texts that wait and an open question are dropped.
         """
         self.drop()
         if not self.picture.under_way:
@@ -200,7 +200,7 @@ class Session:
             self.say(finding_text(one))
 
     async def stands(self) -> Array:
-        """Return the commanded joint positions (n,) [rad or m], which are requested from the robot.
+        """Request the commanded joint positions (n,) [rad or m] from the robot.
 
         Raises:
             Trouble: the robot is moving, or there is no connection.
@@ -237,7 +237,7 @@ class Session:
         return await self.go(self._told(await self.attached.ask(orders.OfferBack())))
 
     async def go(self, offer: OfferDescribed | None) -> bool:
-        """Carry out an offer if the user agrees. Return True if it was carried out."""
+        """Start offered motions if the user agrees. Return True if they were carried out."""
         if offer is None:
             return False
         if offer.moves and self.asks and not await self.agrees("go?"):
@@ -269,9 +269,11 @@ class Session:
         return offer
 
     def _plan_of(self, offer: OfferDescribed) -> Callable[[], MotionPlan | None]:
-        """Return a function that returns an offer's plan.
+        """Return a function that returns the plan of an offer (motions that are planned and wait for a
+        start).
 
-        If the coordinator is in this process, the plan is the coordinator's. Otherwise it is planned again.
+        If the coordinator is in this process, the plan is the coordinator's. Otherwise the motions are
+        planned again.
         """
         if isinstance(self.attached, Here):
             made = self.attached.desk.offer_of(offer.number)

@@ -14,7 +14,7 @@ _NOT_READY = (State.DISCONNECTED, State.FAULT)
 
 
 class Toolbar:
-    """The bottom line, which is computed each time it is drawn.
+    """The status lines at the bottom of the terminal, which are computed each time they are drawn.
 
     Args:
         robot: the robot.
@@ -29,12 +29,14 @@ class Toolbar:
         """Return two lines of at most `width` columns: state, progress, readiness and override; tool and
         joints.
 
-        Parts that don't fit are shortened.
+        Fields that don't fit are shortened.
         """
         return f"{_fitting(self._states(), width)}\n{_fitting(self._places(), width)}"
 
     def _states(self) -> list[list[str]]:
-        """Return the parts of the first line, first in full and then in shorter and shorter forms."""
+        """Return the fields of the first line (state and progress), first in full and then in shorter and
+        shorter forms.
+        """
         picture = self._picture
         state, progress = picture.state, picture.progress
         ready = "not ready" if state in _NOT_READY else "homed, enabled"
@@ -53,7 +55,9 @@ class Toolbar:
         ]
 
     def _places(self) -> list[list[str]]:
-        """Return the parts of the second line, first in full and then in shorter and shorter forms."""
+        """Return the fields of the second line (tool position and joints), first in full and then in shorter
+        and shorter forms.
+        """
         robot = self._robot
         if self._picture.joints is None:
             return [[]]
@@ -78,9 +82,9 @@ def _number(value: float, digits: int) -> str:
 
 
 def _fitting(choices: list[list[str]], width: int) -> str:
-    """Return the first choice that fits completely.
+    """Return the first of several texts of a line that fits the width completely.
 
-    If there is none, return as many parts of the last choice as fit. Numbers aren't cut, since half a number
+    If there is none, return as many fields of the last text as fit. Numbers aren't cut, since half a number
     would be a wrong number.
     """
     for parts in choices:

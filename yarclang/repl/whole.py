@@ -11,7 +11,7 @@ from yarclang.syntax.words import BLOCK_ENDS, opens_block
 
 
 def is_whole(text: str) -> bool:
-    """Return True if a text needs no continuation."""
+    """Return True if a typed text is complete: no block or list of way-points needs a further line."""
     if text.lstrip().startswith("."):
         return True
     source = SourceFile("<line>", text)

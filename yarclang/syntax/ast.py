@@ -1,7 +1,7 @@
-"""The syntax tree: the content of the text. No name in it is resolved.
+"""The syntax tree: the statements of a program as written. No name in it is resolved.
 
-A place is relative to its statement. An unchanged statement therefore has the same value wherever it is moved
-in the file; `Statement.span` returns the place in the file.
+A place in the tree is relative to its statement. An unchanged statement therefore has the same value wherever
+it is moved in the file; `Statement.span` returns the place in the file.
 """
 
 from __future__ import annotations
@@ -115,7 +115,8 @@ class Rate:
 
 @frozen
 class WayPoint:
-    """The values between two semicolons. In a line without way-points, its words, arguments or parameters.
+    """A way-point of a motion: the values between two semicolons. In a line without way-points, the words,
+    arguments or parameters of the line.
 
     `time` is the way-point's own time in square brackets, `velocity` and `acceleration` are the VEL and ACC
     after it. The time of the last way-point is the motion time of its statement, and is stored in the
@@ -162,7 +163,7 @@ class Units:
 
 @frozen
 class Option:
-    """An option after the base frame, and its argument.
+    """An option after the base frame of a command, and its argument.
 
     `at_most` is True if the argument is an upper bound (`BLEND <=10`); `state` is a second word: the state of
     an input (`UNTIL TOUCH OFF`), or the second body (`ALLOW GRIPPER BOX`).
@@ -184,7 +185,8 @@ class Comment:
 
 @frozen
 class Statement:
-    """A command (with an index) or a declaration: its parts in the order of the language.
+    """A command (with an index) or a declaration, with its elements in the order in which the language writes
+    them.
 
     `line` is the number of its first line in the file, `rows` the number of its lines. Names and values that
     are no way-points are also stored in `waypoints`, as a single way-point: SUB's name and parameters, CALL's
@@ -230,7 +232,8 @@ class Statement:
     def waits_else(self) -> bool:
         """Return True for a WAIT with an ELSE, and for a motion with an ELSE after its UNTIL.
 
-        The lines up to its END are carried out if the awaited or searched event doesn't occur.
+        The lines from the ELSE up to the END are carried out if the event that the command waits for doesn't
+        occur.
         """
         names = [one.word.name for one in self.options]
         return names[-1:] == ["ELSE"] and (self.name.name == "WAIT" or "UNTIL" in names)
@@ -243,14 +246,14 @@ class Statement:
 
     @property
     def whole_span(self) -> Span:
-        """Return the span from the first part to the end of the last."""
+        """Return the span of the whole statement, in the file."""
         start = self.index.place.start if self.index else self.name.place.start
         last = self._last_place
         return Span(self.line, start, self.line + last.row, last.end)
 
     @property
     def _last_place(self) -> Place:
-        """Return the place of the last part; parts have a fixed order."""
+        """Return the place of the statement's last element; elements have a fixed order."""
         if self.options:
             option = self.options[-1]
             return (option.state or option.argument or option.word).place
@@ -285,8 +288,8 @@ Node = Statement | Block
 
 @frozen
 class Module:
-    """A file's statements in order, the first lines of the statements that couldn't be read, and the comment
-    lines by line number.
+    """A parsed file: its statements in order, the first lines of the statements that couldn't be read, and
+    the comment lines by line number.
     """
 
     source: SourceFile

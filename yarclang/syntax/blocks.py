@@ -23,7 +23,7 @@ _TOP_LEVEL = DECLARATIONS - DECLARATIONS_IN_BLOCKS - BLOCK_HEADS - BLOCK_ENDS - 
 
 
 def arrange(module: Module) -> Result[tuple[Node, ...]]:
-    """Arrange a module's statements in blocks.
+    """Arrange the statements of a file in blocks.
 
     Returns:
         The statements and blocks in order, and a finding for each misplaced statement; never None. If an END
@@ -49,8 +49,8 @@ def arrange(module: Module) -> Result[tuple[Node, ...]]:
 
 
 def _needs_arranging(statement: Statement) -> bool:
-    """Return True if a statement belongs to a block, or is a declaration with an index. In a long program,
-    hardly any line does.
+    """Return True if a statement begins, divides or ends a block, or is a declaration with an index. In a
+    long program, hardly any line does.
     """
     word = statement.name.name
     return (word in _ARRANGED and (statement.index is not None or word in _OF_BLOCKS)) or statement.waits_else
@@ -96,7 +96,7 @@ class _Open:
 
 
 class _Arrangement:
-    """The finished nodes, and the blocks that are open, innermost last."""
+    """The statements and blocks that are finished, and the blocks that are open, innermost last."""
 
     def __init__(self, source: SourceFile) -> None:
         self.findings = Collector(source)
@@ -127,7 +127,7 @@ class _Arrangement:
             self._nodes().append(statement)
 
     def finish(self) -> Result[tuple[Node, ...]]:
-        """Return the arrangement after the last line."""
+        """Return the statements and blocks after the last line."""
         while self.open:
             self._close("the end of the file")
         return Result(tuple(self.nodes), tuple(sorted(self.findings.found, key=_place)))
@@ -210,8 +210,8 @@ class _Arrangement:
         self._refuse("Y0115", message, statement, help_)
 
     def _leave_blocks(self, statement: Statement) -> None:
-        """Handle a line that isn't allowed in any block: either the END of the open blocks is missing, or the
-        line is misplaced.
+        """Handle a line that isn't allowed in any block, such as a declaration: either the END of the open
+        blocks is missing, or the line is misplaced.
         """
         word = statement.name.name
         if len(self.open) <= self.missing:

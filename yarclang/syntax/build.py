@@ -1,4 +1,6 @@
-"""Convert Lark's tree to a statement. The nodes of its expressions exist already (nodes.py)."""
+"""Convert the parse tree of the Lark library to a statement. The nodes of its expressions exist already
+(nodes.py).
+"""
 
 from __future__ import annotations
 
@@ -43,7 +45,7 @@ Rows = Sequence[str]
 
 
 def statement(text: str, tree: Any) -> Statement:
-    """Build the statement from Lark's tree; `line` is 0 until the caller sets it.
+    """Build a statement from its parse tree; `line` is 0 until the caller sets it.
 
     Raises:
         FaultError: there is an error that the grammar doesn't detect.
@@ -107,8 +109,8 @@ def statement(text: str, tree: Any) -> Statement:
 
 
 def _waypoints(rows: Rows, children: Any) -> tuple[tuple[WayPoint, ...], Time | None]:
-    """Build the way-points, each with its time, velocity and acceleration. Also return the time of the last
-    one, which is the motion's.
+    """Build the way-points of a statement, each with its time, velocity and acceleration. Also return the
+    time of the last one, which is the motion's.
     """
     waypoints: list[WayPoint] = []
     parts: dict[str, Any] = {}
@@ -128,7 +130,9 @@ def _waypoints(rows: Rows, children: Any) -> tuple[tuple[WayPoint, ...], Time | 
 
 
 def _items(rows: Rows, children: Any) -> list[Any]:
-    """Build leaves from tokens and small trees; a run of numbers is split into single numbers."""
+    """Build syntax nodes from tokens and small trees; a token with several numbers is split into single
+    numbers.
+    """
     found: list[Any] = []
     computed = False
     for child in children:
@@ -184,7 +188,7 @@ _LEAVES: dict[str | None, Any] = {
 
 
 def _numbers(token: Any) -> list[Number]:
-    """Split a run of numbers at the blanks."""
+    """Split a token with several numbers at the blanks."""
     row, column = token.line - 1, token.column
     return [
         Number(match.group(), float(match.group()), Place(row, column + match.start(), column + match.end()))
@@ -240,8 +244,8 @@ def _default(rows: Rows, children: list[Any]) -> list[Any]:
 
 
 def _named(rows: Rows, children: list[Any]) -> list[Any]:
-    """Build an argument with its name. If a run of numbers follows, only the first number belongs to the
-    name.
+    """Build an argument of a CALL with its name. If several numbers follow the name, only the first one
+    belongs to it.
     """
     word = _name_of(children[0])
     first, *others = _items(rows, children[1:])

@@ -80,8 +80,8 @@ def is_not_text(character: str) -> bool:
 
 
 def instead_of(character: str) -> str | None:
-    """Return the substitute for a character that isn't allowed in code; it may be empty. None if there is
-    none.
+    """Return the text to write instead of a character that isn't allowed in code; it may be empty. None if
+    the character has no safe substitute.
     """
     if character in _BREAKS or unicodedata.category(character) == "Zs":
         return " "
@@ -95,7 +95,7 @@ def instead_of(character: str) -> str | None:
 
 @frozen
 class _Found:
-    """A misplaced character: in code, or in a comment or a text (`where`)."""
+    """A character that isn't allowed in its place: in code, or in a comment or a text (`where`)."""
 
     character: str
     row: int
@@ -104,7 +104,9 @@ class _Found:
 
 
 def fault_in(text: str) -> Fault | None:
-    """Return a fault for the first misplaced character of a statement, with a fix for all of them."""
+    """Return a fault for the first character of a statement that isn't allowed there, with a fix for all
+    of them.
+    """
     if is_plain(text):
         return None
     rows = text.split("\n")
@@ -121,7 +123,7 @@ def fault_in(text: str) -> Fault | None:
 
 
 def _in_row(number: int, row: str) -> Iterator[_Found]:
-    """Yield the misplaced characters of a line."""
+    """Yield the characters of a line that aren't allowed in their places."""
     if is_plain(row):
         return
     code = code_of(row)
@@ -184,8 +186,8 @@ def _help(found: _Found) -> str:
 
 
 def _ends(row: str) -> frozenset[int]:
-    """Return the line ends in a line that only some editors know. In the fix they become real line ends,
-    because a statement follows them.
+    """Return the characters in a line that only some editors treat as line ends. If a statement follows them,
+    the fix replaces them by real line ends.
     """
     ends: list[int] = []
     opens: bool | None = None
@@ -202,8 +204,8 @@ def _ends(row: str) -> frozenset[int]:
 
 
 def _fix(rows: list[str], found: list[_Found]) -> tuple[str, tuple[tuple[Place, str], ...]]:
-    """Return the title of a fix and its edits, one per line. There are no edits if one of the characters has
-    no safe substitute.
+    """Return the title of a fix for characters that aren't allowed, and its edits, one per line of the
+    statement. There are no edits if one of the characters has no safe substitute.
     """
     pieces: dict[int, list[_Found]] = {}
     for one in found:

@@ -66,7 +66,9 @@ def unexpected(text: str, token: Any, expected: Collection[str], stack: Sequence
 
 
 def unexpected_character(text: str, place: Place, expected: Collection[str]) -> Fault:
-    """Explain a character that begins no token: a brace or quote without its partner, or a `$`."""
+    """Explain a syntax error at a character that begins no token: a brace or quote without its partner, or
+    a `$`.
+    """
     row = text.split("\n")[place.row]
     character = row[place.start - 1]
     if character == "{":
@@ -82,8 +84,8 @@ def unexpected_character(text: str, place: Place, expected: Collection[str]) -> 
 
 
 def _cut_frame(row: str, place: Place) -> Fault | None:
-    """Explain that a `!` or a `"` between the braces cuts off a frame's name; None if this isn't the
-    reason.
+    """Explain a syntax error in a frame's name that a `!` or a `"` between the braces cuts off; None if this
+    isn't the cause.
     """
     match = _CUT_FRAME.match(row, place.start)
     if match is None:

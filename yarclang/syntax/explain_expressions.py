@@ -164,7 +164,9 @@ def unequal(comment: str, row: int, column: int) -> Fault | None:
 
 
 def foreign(text: str, place: Place) -> Fault | None:
-    """Explain an operator of another language that begins at this place, or one character before it."""
+    """Explain a syntax error by an operator of another language that begins at this place, or one character
+    before it.
+    """
     row = text.split("\n")[place.row]
     for column in (place.start - 1, place.start):
         for operator, help_ in _FOREIGN.items():

@@ -62,7 +62,7 @@ class Binary:
 
 @frozen
 class Function:
-    """A function of the language (words.FUNCTIONS) with its arguments, whose number was checked."""
+    """A call of a built-in function (words.FUNCTIONS) with its arguments, whose number was checked."""
 
     word: Word
     arguments: tuple[Expression, ...]

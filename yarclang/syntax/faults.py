@@ -1,7 +1,7 @@
-"""A syntax error, and descriptions of the parser's state when it finds one.
+"""A syntax error, and descriptions of the parser's state at the error.
 
 The parser reports the unexpected token and the kinds of tokens that were possible (`expected`). It also
-reports what it has read but not yet combined to a larger part (`stack`: tokens and finished parts).
+reports what it has read but not yet combined (`stack`: tokens, and constructs such as way-points).
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ _CLOSING = {"[": "]", "(": ")", "$(": ")", "{": "}"}
 
 @frozen
 class Fault:
-    """A syntax error, its place relative to the statement.
+    """A syntax error, with its place relative to the statement.
 
     `edits` are a safe fix: pairs of a place and its new text; `title` describes them. Most errors have none.
     """
@@ -33,7 +33,7 @@ class Fault:
 
 
 class FaultError(Exception):
-    """A fault that is found while the tree is built."""
+    """A syntax error that is found while the syntax tree is built."""
 
     def __init__(self, fault: Fault) -> None:
         super().__init__(fault.message)
@@ -46,7 +46,7 @@ def kind_of(one: Any) -> str:
 
 
 def shown(token: Any) -> str:
-    """Return a token's text; for a run of numbers, the first."""
+    """Return a token's text; for a token with several numbers, the first."""
     text = str(token)
     if token.type == "NUMBERS" and text.split():
         text = text.split(maxsplit=1)[0]
@@ -91,5 +91,5 @@ def unclosed(stack: Sequence[Any]) -> Fault:
 
 
 def not_closed(opening: str, place: Place) -> Fault:
-    """Return the fault of a bracket without its partner."""
+    """Return the syntax error of a bracket without its partner."""
     return Fault("Y0102", f"this `{opening}` is not closed", f"close it with `{_CLOSING[opening]}`", place)

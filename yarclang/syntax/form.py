@@ -63,8 +63,8 @@ def _unproved(source: SourceFile, line: int, what: str) -> Diagnostic:
 
 @frozen
 class _Row:
-    """A line that isn't empty: its code as written (without an index, if indices are new), and its
-    comment.
+    """A line that isn't empty, before formatting: its code as written (without the index, if commands are
+    renumbered), and its comment.
     """
 
     line: int
@@ -76,9 +76,9 @@ def _difference(original: Module, meant: Module, after: SourceFile) -> tuple[int
     """Find the first line of a program whose standard form has another meaning.
 
     Args:
-        original: the program.
-        meant: the program, with new indices if they are wanted.
-        after: its standard form.
+        original: the program as written.
+        meant: the program, with new indices if commands are renumbered.
+        after: the program's standard form.
 
     Returns:
         None if there is no such line; else the number of the line, and what is wrong with its form.
@@ -141,8 +141,8 @@ def _squeezed(code: str) -> str:
 
 
 def meaning(part: Any) -> Any:
-    """Return the meaning of a part of a tree, without its position: numbers as written, names in upper
-    case.
+    """Return the meaning of a syntax tree or a node of it, for comparison, without positions: numbers as
+    written, names in upper case.
     """
     if isinstance(part, tuple):
         return tuple(map(meaning, part))
@@ -158,7 +158,7 @@ def meaning(part: Any) -> Any:
 
 @cache
 def _telling(kind: Any) -> tuple[str, ...]:
-    """Return the fields of a kind of tree that have a meaning. A computed value is compared by its
+    """Return the fields of a class of syntax nodes that have a meaning. A computed value is compared by its
     expression, not by its text.
     """
     left_out = _WITHOUT_MEANING | ({"text"} if issubclass(kind, Computed | ComputedPercent) else set())

@@ -9,7 +9,9 @@ from yarclang.frozen import frozen
 
 @frozen
 class Place:
-    """Columns `start` to `end` (exclusive, from 1) of the statement's line number `row` (from 0)."""
+    """A place in a statement: columns `start` to `end` (exclusive, from 1) of the statement's line number
+    `row` (from 0).
+    """
 
     row: int
     start: int

@@ -1,4 +1,4 @@
-"""Build the nodes of expressions as soon as Lark has read their parts."""
+"""Build the syntax nodes of expressions as soon as Lark has read their operands."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from yarclang.syntax.words import CONSTANTS, FUNCTIONS, OPERATORS
 
 
 class Nodes:
-    """Builder of the nodes of expressions. Each method has the name of the rule or alias in the grammar for
+    """Builder of the syntax nodes of expressions. Each method has the name of the grammar's rule or alias for
     which it builds a node.
     """
 
@@ -60,8 +60,8 @@ class Nodes:
         return Binary(operator, left, right, from_to(left.place, right.place))
 
     def function(self, children: list[Any]) -> Function | Applied:
-        """Build a function of the language, after a check of its number of arguments, or a function of the
-        program.
+        """Build the call of a built-in function, after a check of its number of arguments, or of a function
+        that the program declares.
         """
         token, _, *arguments, closing = children
         word = Word(str(token), place_of(token))
@@ -82,7 +82,7 @@ class Nodes:
 
 
 def named(text: str, place: Place) -> Name:
-    """Build the node of a name.
+    """Build the syntax node of a name in an expression.
 
     Raises:
         FaultError: the name is that of a function or an operator.

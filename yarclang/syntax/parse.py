@@ -1,7 +1,8 @@
-"""Parse text to a syntax tree, one statement at a time.
+"""Parse the text of a program to a syntax tree, one statement at a time.
 
-This is the only module that knows Lark. Each statement is parsed by itself, so that a fault causes one
-finding and doesn't affect other statements, and so that an unchanged statement is parsed only once.
+This is the only module that knows the parser library Lark. Each statement is parsed by itself, so that a
+fault causes one finding and doesn't affect other statements, and so that an unchanged statement is parsed
+only once.
 """
 
 from __future__ import annotations
@@ -41,8 +42,8 @@ def parse(source: SourceFile) -> Result[Module]:
     """Parse a program.
 
     Returns:
-        The tree of all statements that could be read, and a finding for each that couldn't. The value is
-        never None.
+        The syntax tree of all statements that could be read, and a finding for each that couldn't. The tree
+        is never None.
     """
     if len(source.text) > LONGEST_TEXT:
         return Result(Module(source, (), (), ()), (_too_long_text(source),))
@@ -84,7 +85,8 @@ def parse(source: SourceFile) -> Result[Module]:
 
 
 def _read_in_place(text: str, line: int) -> Statement | Fault | None:
-    """Return the statement of a text with its line; None if the text has only a comment.
+    """Parse a text at its line number in the file, and return the statement; None if the text has only a
+    comment.
 
     While a program is edited, most lines keep their numbers, so their statements can be reused.
     """
@@ -99,7 +101,7 @@ def _span(line: int, place: Place) -> Span:
 
 
 def _fix(line: int, fault: Fault) -> Fix | None:
-    """Return the fix of a fault in a statement that begins in a line."""
+    """Return the fix of a syntax error in a statement that begins in a line."""
     edits = tuple(Edit(_span(line, place), put) for place, put in fault.edits)
     return Fix(fault.title, edits, uncovers=True) if edits else None
 
@@ -127,7 +129,9 @@ def _statements(source: SourceFile) -> Iterator[tuple[int, str]]:
 
 
 def _end_of_list(lines: tuple[str, ...], at: int) -> int:
-    """Return the line after the list of way-points that begins in line `at`, which ends with a semicolon."""
+    """Return the line after a list of way-points. The list begins in line `at`, which ends with a
+    semicolon.
+    """
     end = ahead = at + 1
     while ahead < len(lines):
         code = code_of(lines[ahead]) if len(lines[ahead]) <= LONGEST_LINE else "?"
@@ -175,8 +179,8 @@ def _long_index(index: Word) -> Fault:
 
 
 def _operator_instead(text: str, wrong: Fault) -> Fault | None:
-    """Return the grammar's fault for an operator of another language, such as `×`. The fault's help names the
-    right operator.
+    """Return a syntax error for an operator of another language, such as `×`, with the right operator in
+    the help.
     """
     if wrong.code != "Y0118" or wrong.edits:
         return None
@@ -196,8 +200,8 @@ def forget() -> None:
 
 
 def statement_by_grammar(text: str) -> Statement | Fault:
-    """Parse the text of any statement by the grammar, without the faster parser; the result is that of
-    `_read`.
+    """Parse the text of any statement by the grammar, without the faster parser for common statements. The
+    result is the same as that of `_read`.
     """
     from lark.exceptions import UnexpectedCharacters, UnexpectedToken
 
@@ -214,7 +218,7 @@ def statement_by_grammar(text: str) -> Statement | Fault:
 
 
 def _stack(error: Any) -> list[Any]:
-    """Return what has been read but not yet combined, without unfinished lists."""
+    """Return what the parser has read but not yet combined, without unfinished lists."""
     return [one for one in error.state.value_stack if not str(getattr(one, "data", "")).startswith("__")]
 
 
@@ -235,8 +239,8 @@ def _built(grammar: str, transformer: Nodes | None) -> Any:
 
 
 def _loaded(grammar: str) -> Any:
-    """Return a parser with the saved tables, since computing them takes 60 ms. None if the tables belong to
-    another grammar or another version of Lark.
+    """Return a parser with saved tables, since computing the tables takes 60 ms. None if the saved tables
+    belong to another grammar or another version of Lark.
     """
     import lark
 
@@ -259,14 +263,16 @@ def _by_number(content: dict[str, Any]) -> dict[int, Any]:
 
 
 def _key(grammar: str) -> str:
-    """Return a key of everything that the tables depend on."""
+    """Return a hash of everything on which the parser's tables depend."""
     import lark
 
     return f"lark {lark.__version__}, grammar {hashlib.sha256(grammar.encode()).hexdigest()}"
 
 
 def made_tables() -> str:
-    """Compute the text of `TABLES` from the grammar. Lark numbers the states in an arbitrary order."""
+    """Compute the content of the file `TABLES` (the parser's tables) from the grammar. Lark numbers the
+    states in an arbitrary order.
+    """
     from lark.grammar import Rule
     from lark.lexer import TerminalDef
 

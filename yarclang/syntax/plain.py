@@ -47,9 +47,9 @@ def terminals() -> Mapping[str, str]:
 
 @cache
 def _form() -> re.Pattern[str]:
-    """Return the regular expression of a whole statement.
+    """Return the regular expression of a whole common statement.
 
-    Each part matches in the same way as in the grammar's lexer, without backtracking. If anything else
+    Each group matches in the same way as in the grammar's lexer, without backtracking. If anything else
     follows, the expression doesn't match.
     """
     said = terminals()
@@ -83,8 +83,10 @@ def _option_form() -> re.Pattern[str]:
 
 
 def plain_statement(text: str) -> Statement | None:
-    """Return the statement of a text; `line` is 0 until the caller sets it. None if only the grammar can
-    parse the text.
+    """Parse a text by the regular expression for common statements. Return None if only the grammar can parse
+    it.
+
+    `line` of the statement is 0 until the caller sets it.
     """
     match = None if "\n" in text else _form().match(text)
     if match is None:
@@ -118,8 +120,8 @@ def _place(match: re.Match[str], group: int) -> Place:
 
 @lru_cache(maxsize=1 << 16)
 def _at(begin: int, end: int) -> Place:
-    """Return the place of the characters from `begin` to `end` (exclusive). The lines of a long program
-    share equal places.
+    """Return the place of the characters from `begin` to `end` (exclusive). Equal places in the lines of a
+    long program are one object.
     """
     return Place(0, begin + 1, end + 1)
 

@@ -1,7 +1,7 @@
-"""Print a syntax tree as text.
+"""Print a syntax tree as a program in standard form.
 
-Names are in upper case, parts are separated by one blank, and blocks are indented by two. The digits of
-numbers aren't changed. Comments of neighbouring lines are aligned.
+Names are in upper case, elements of a line are separated by one blank, and blocks are indented by two. The
+digits of numbers aren't changed. Comments of neighbouring lines are aligned.
 """
 
 from __future__ import annotations
@@ -45,8 +45,8 @@ directly follows the code.
 
 @dataclass(slots=True)
 class _Row:
-    """A line: its code with its indentation, and its comment. A comment on its own line is indented like
-    code.
+    """A line of the printed program: its code with its indentation, and its comment. A comment on its own
+    line is indented like code.
     """
 
     code: str
@@ -54,7 +54,8 @@ class _Row:
 
 
 def print_module(module: Module) -> str:
-    """Print a module as text. Parsing this text gives the same statements, possibly at other places.
+    """Print a file's syntax tree as text. Parsing this text gives the same statements, possibly at other
+    places.
 
     Several empty lines become one. Comment lines stay before the statement that they preceded.
     """
@@ -70,7 +71,7 @@ def print_module(module: Module) -> str:
 
 
 def _rows(module: Module) -> Iterator[_Row | None]:
-    """Yield the lines of a module; None separates two paragraphs."""
+    """Yield the lines of a printed file; None separates two paragraphs."""
     pieces: list[tuple[int, Statement | str]] = [(one.line, one) for one in module.statements]
     pieces += module.comment_lines
     depth, behind = 0, 0
@@ -128,8 +129,8 @@ def _rows_of(statement: Statement) -> list[_Row]:
 
 
 def _code_rows(statement: Statement) -> list[int]:
-    """Return the rows of a statement that have code: the first row, and the rows in which way-points
-    begin.
+    """Return the row numbers of a statement that have code: the first row, and the rows in which
+    way-points begin.
     """
     first = statement.waypoints[0].place.row if statement.waypoints else 0
     return [0, *sorted({waypoint.place.row for waypoint in statement.waypoints} - {first})]
@@ -218,7 +219,7 @@ _Item = (
 
 
 def _item(item: _Item) -> str:
-    """Print a leaf, or a computed value."""
+    """Print a value: a single token, or a computed value."""
     match item:
         case Word():
             return item.name

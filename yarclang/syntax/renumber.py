@@ -9,8 +9,8 @@ from yarclang.syntax.words import DECLARATIONS
 
 
 def renumbered(module: Module, start: int, step: int) -> Module:
-    """Return the module with ascending indices for its commands in the order of the file. A command without
-    an index gets one.
+    """Return a file's syntax tree with ascending indices for its commands. A command without an index gets
+    one.
     """
     number = start
     statements: list[Statement] = []

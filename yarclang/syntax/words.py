@@ -1,5 +1,5 @@
-"""The words of the language: those that are defined in files (`yarclang/words`), and those of options and
-expressions.
+"""The words of the language: those of commands and declarations, which are defined in files
+(`yarclang/words`), and those of options and expressions.
 """
 
 from types import MappingProxyType

@@ -1,1 +1,3 @@
-"""Read TOML files that users write: text, positions of keys and values, and findings about their form."""
+"""Read TOML files that users write: their text, the positions of keys and values, and findings about their
+form.
+"""

@@ -1,4 +1,6 @@
-"""Bodies in TOML files: the keys of each shape, and the shape of a table. Lengths are converted to m."""
+"""Bodies in TOML files: the keys that each shape needs, and the shape that a table describes. Lengths are
+converted to m.
+"""
 
 from __future__ import annotations
 
@@ -58,7 +60,7 @@ class Sized(Protocol):
 
 @frozen
 class Keys:
-    """The keys of a shape, or of another rule.
+    """The keys that a table must and may have, because of its shape or because of another rule.
 
     Attributes:
         what: the shape or rule in words.
@@ -78,13 +80,13 @@ def has_its_keys(
     every: Sequence[str],
     dropped: Collection[Path],
 ) -> bool:
-    """Check that a table has the keys of its shape or rule, and no keys of another shape or rule; report
-    findings.
+    """Check that a table has the keys that its shape or rule needs, and no keys of another shape or rule;
+    report findings.
 
     Args:
         table: the table.
-        place: its file, the schema of the file, and its path.
-        keys: the keys that it should have.
+        place: file of the table, schema of the file, and path of the table.
+        keys: the keys that the table should have.
         every: the keys of any shape or rule.
         dropped: the keys with a wrong form, which was reported already.
 
@@ -109,11 +111,11 @@ def has_its_keys(
 
 
 def simple_shape(shape: str, table: Sized, unit: float) -> SimpleShape:
-    """Return a shape whose description needs no file [m].
+    """Return a box, sphere or other shape that needs no mesh file, in [m].
 
     Args:
         shape: name of the shape.
-        table: a table that has its keys.
+        table: a table that has the shape's keys.
         unit: unit of lengths in the table [m].
     """
     if shape == "box":
@@ -131,11 +133,12 @@ def simple_shape(shape: str, table: Sized, unit: float) -> SimpleShape:
 def named_mesh(
     name: str, unit: float | None, place: tuple[TomlFile, Path], folder: FilePath, pieces: int = 0
 ) -> Mesh | None:
-    """Return the mesh of a file that exists and isn't empty; None with a finding, or without a unit.
+    """Return the mesh that a TOML file names, if its file exists and isn't empty; None with a finding, or
+    without a unit.
 
     Args:
-        name: name of the file, relative to the folder.
-        unit: unit of lengths in the file [m]; None if it isn't known.
+        name: name of the mesh file, relative to the folder.
+        unit: unit of lengths in the mesh file [m]; None if it isn't known.
         place: the TOML file, and the path of the name in it.
         folder: folder of the TOML file.
         pieces: largest number of convex pieces that replace the mesh; 0 for none.

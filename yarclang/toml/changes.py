@@ -21,11 +21,12 @@ _BARE = re.compile(r"[A-Za-z0-9_-]+")
 
 
 class ChangeError(ValueError):
-    """The form of the file doesn't allow a small change, so that the user has to edit the file."""
+    """The form of a TOML file doesn't allow a small change, so that the user has to edit the file."""
 
 
 def printed(value: object) -> str:
-    """Return a value as TOML on one line: a text, a boolean, a number, or a list or table of such values.
+    """Return a value as TOML on one line. The value is a text, a boolean, a number, or a list or table of
+    these.
 
     Raises:
         ChangeError: TOML has no such value.
@@ -46,8 +47,8 @@ def printed(value: object) -> str:
 
 
 def with_value(source: SourceFile, path: Path, value: object) -> str:
-    """Return the text with another value. A new key becomes the last key of its table, which is added if it
-    is missing.
+    """Return a TOML text with one value changed. A new key becomes the last key of its table; a missing table
+    is added.
 
     Args:
         source: a text that tomllib accepts.
@@ -75,13 +76,13 @@ def with_value(source: SourceFile, path: Path, value: object) -> str:
 
 
 def with_table(source: SourceFile, path: Path, values: Mapping[str, object]) -> str:
-    """Return the text with a new table at its end.
+    """Return a TOML text with a new table at its end.
 
     Args:
         source: a text that tomllib accepts.
         path: path of the table, which doesn't exist yet. If it ends in a number, the table is a new entry of
             an array of tables.
-        values: values of its keys.
+        values: values of the table's keys.
 
     Raises:
         ChangeError: if the form of the file doesn't allow the change.
@@ -99,7 +100,8 @@ def with_table(source: SourceFile, path: Path, values: Mapping[str, object]) -> 
 
 
 def without(source: SourceFile, path: Path) -> str:
-    """Return the text without a key, a table, or an entry of an array of tables. Comments above a table stay.
+    """Return a TOML text without a key, a table, or an entry of an array of tables. Comments above a table
+    stay.
 
     Args:
         source: a text that tomllib accepts.
@@ -141,7 +143,7 @@ def _last_line(places: Places, lines: Sequence[str], table: Path) -> int | None:
 
 
 def _checked(old: str, new: str, path: Path, value: object) -> str:
-    """Return the new text, after a check that it differs from the old one only by the value at a path.
+    """Return a changed TOML text, after a check that it differs from the old one only by the value at a path.
 
     Args:
         old: the text before the change.

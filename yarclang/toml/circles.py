@@ -1,4 +1,4 @@
-"""Find circular dependencies."""
+"""Find circular dependencies between named items, such as frames."""
 
 from __future__ import annotations
 

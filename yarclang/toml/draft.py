@@ -19,13 +19,13 @@ D = TypeVar("D", bound=Document)
 
 @frozen
 class Mistake:
-    """A mistake in the form of a file.
+    """A mistake in the form of a TOML file, such as a value of the wrong type.
 
     Attributes:
         code: code of the finding.
         path: path of the key.
-        message: its message.
-        help: its remedy.
+        message: message of the finding.
+        help: remedy.
         at_key: True if the finding's place is the key, not the value.
         subject: subject of the finding.
     """
@@ -44,7 +44,7 @@ class Mistake:
 
 @frozen
 class Draft(Generic[D]):
-    """The part of a file that can be read.
+    """The content of a TOML file that can be read, and the mistakes in the rest.
 
     Attributes:
         table: content of the file, without the dropped keys.
@@ -63,7 +63,7 @@ class Draft(Generic[D]):
 
 
 def read_draft(data: dict[str, Any], document: type[D]) -> Draft[D]:
-    """Read the tables of a file, without the keys whose values have the wrong form.
+    """Read the tables of a TOML file, without the keys whose values have the wrong form.
 
     Args:
         data: the file as read by tomllib. Wrong keys are removed from it.
@@ -85,7 +85,7 @@ def read_draft(data: dict[str, Any], document: type[D]) -> Draft[D]:
 
 
 def _mistake(document: type[Document], data: dict[str, Any], detail: Any, excused: set[Path]) -> Mistake:
-    """Return the mistake for one error of pydantic. A misspelled required key is added to `excused`."""
+    """Convert one error of pydantic to a mistake. A misspelled required key is added to `excused`."""
     path: Path = tuple(detail["loc"])
     kind: str = detail["type"]
     name, value, context = spoken(path), detail.get("input"), detail.get("ctx", {})
@@ -126,7 +126,7 @@ _TYPES = {
 
 
 def _wanted(document: type[Document], path: Path) -> str | None:
-    """Return the description of a key's values from its table; None without one, and for an entry of a
+    """Return the schema's description of a key's values; None without a description, and for an entry of a
     list.
     """
     key = path[-1]
@@ -184,7 +184,9 @@ def missing_mistake(document: type[Document], path: Path, why: str = "") -> Mist
 
 
 def _prune(data: dict[str, Any], path: Path) -> Path:
-    """Remove the innermost key of `path` from the data, and return its path. A list is removed as a whole."""
+    """Remove the innermost key of `path` from the data, and return the key's path. A list is removed as a
+    whole.
+    """
     end = max(at for at, part in enumerate(path) if isinstance(part, str)) + 1
     *above, key = path[:end]
     here: Any = data
@@ -195,20 +197,20 @@ def _prune(data: dict[str, Any], path: Path) -> Path:
 
 
 def spoken(path: Path) -> str:
-    """Return a path in words: `K[3] of [actuation]`. Entries count from 1, as joints do."""
+    """Return a key's path in words: `K[3] of [actuation]`. Entries count from 1, as joints do."""
     last = _key_of(path)
     name = str(path[last]) + "".join(f"[{part + 1}]" for part in path[last + 1 :] if isinstance(part, int))
     return f"{name} of {table_of(path)}" if last else name
 
 
 def table_of(path: Path) -> str:
-    """Return the table of a key in words; empty for a key at the top of the file."""
+    """Return the table that contains a key, in words; empty for a key at the top of the file."""
     last = _key_of(path)
     return table_name(path[:last]) if last else ""
 
 
 def _key_of(path: Path) -> int:
-    """Return the index of the key in a path; after the key, the path has only numbers of entries."""
+    """Return the index of the last key in a path. After it, the path has only numbers of list entries."""
     return max(at for at, part in enumerate(path) if isinstance(part, str))
 
 

@@ -17,8 +17,8 @@ class TomlFile:
     """A TOML file and the findings about it.
 
     Attributes:
-        source: its text.
-        places: positions of its keys and values.
+        source: text of the file.
+        places: positions of the keys and values.
         findings: the findings so far.
     """
 
@@ -39,11 +39,11 @@ class TomlFile:
         """Add a finding at the value of a key, or at the key itself.
 
         Args:
-            code: its code.
+            code: code of the finding.
             path: path of the key.
-            message: its message.
-            remedy: its help.
-            subject: its subject.
+            message: message of the finding.
+            remedy: help of the finding.
+            subject: subject of the finding.
             at_key: True for a finding at the key.
         """
         span = self.places.of_key(path) if at_key else self.places.of_value(path)
@@ -60,7 +60,7 @@ def right_length(
         path: path of the list.
         values: the list.
         size: number of joints or motors.
-        what: words for an entry.
+        what: words for an entry, for the message.
         per: "joint" or "motor".
 
     Returns:
@@ -76,7 +76,9 @@ def right_length(
 
 
 def did_you_mean(name: str, names: Iterable[str]) -> tuple[str, Name]:
-    """Return the help for a name that isn't one of `names`, and the name as the subject of the finding."""
+    """Return the help for a wrong name, which suggests similar ones of `names`, and the wrong name as the
+    subject of the finding.
+    """
     known = sorted(names)
     near = difflib.get_close_matches(name, known, 1, 0.6)
     shown = ", ".join(known[:20]) + (", ..." if len(known) > 20 else "")

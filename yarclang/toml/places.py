@@ -30,7 +30,9 @@ class Places:
     values: dict[Path, Span]
 
     def of_value(self, path: Path) -> Span:
-        """Return the position of the value at `path`, or of the innermost value or key that encloses it."""
+        """Return the position of the value at `path`. If the value has none, return that of the innermost
+        value or key around it.
+        """
         return self._nearest(path, (self.values, self.keys))
 
     def of_key(self, path: Path) -> Span:
@@ -53,8 +55,8 @@ def find_places(source: SourceFile) -> Places:
 
 
 class _Scanner:
-    """Scanner of a text in one pass. After each method, `at` is the place after the text that the method
-    has read.
+    """Scanner that finds all positions of a TOML text in one pass. After each method, `at` is the place after
+    the text that the method has read.
     """
 
     def __init__(self, text: str) -> None:
@@ -77,7 +79,9 @@ class _Scanner:
                 self.pair(table)
 
     def header(self) -> Path:
-        """Read `[a.b]` or `[[a.b]]`; return the path of its table, with the index in an array of tables."""
+        """Read a header `[a.b]` or `[[a.b]]`; return the path of its table, with the index in an array of
+        tables.
+        """
         array = self.text.startswith("[[", self.at)
         self.at += 2 if array else 1
         self.skip()
@@ -181,7 +185,7 @@ class _Scanner:
         return content
 
     def skip(self) -> None:
-        """Skip blanks, line ends and comments."""
+        """Skip blanks, line ends and comments in the text."""
         while self.at < len(self.text):
             if self.text[self.at] == "#":
                 end = self.text.find("\n", self.at)

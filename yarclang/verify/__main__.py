@@ -17,9 +17,9 @@ def status_of(verdict: Verdict) -> int:
 
 
 def printable(text: str) -> str:
-    """Return a line with unprintable characters written as numbers.
+    """Return a line with unprintable characters written as numbers, for output to a terminal.
 
-    A terminal would interpret some of them, and reverse the direction of writing at others.
+    A terminal would interpret some of these characters, and reverse the direction of writing at others.
     """
     return "".join(one if one.isprintable() else f"\\u{ord(one):04x}" for one in text)
 
@@ -35,7 +35,7 @@ def report(name: str, verdict: Verdict) -> str:
 
 
 def main(arguments: list[str]) -> int:
-    """Verify a text by its proof, report the verdict, and return the exit status."""
+    """Verify a controller text by its proof, report the verdict, and return the exit status."""
     if len(arguments) != 2:
         sys.stderr.write("usage: python -m yarclang.verify NAME.pmc NAME.proof.json\n")
         return USAGE

@@ -1,20 +1,22 @@
-"""Check that bodies stay apart, by planes.
+"""Check that bodies stay apart, by separating planes.
 
-For each stretch of the text, the proof names one plane for each pair of bodies.
+For each stretch (an interval of the controller text's segments), the proof names one plane for each pair of
+bodies.
 
 A body is the convex hull of a box around its middle (half edges `core`) or of `corners`, widened by a disc
 perpendicular to its z axis and by a ball. The first `joint` joints move it. Of a pair, the body that fewer
 joints move is regarded as fixed, together with the plane; only the joints between both count. With the unit
 normal n of the plane, from the first body a to the second body b, the gap is min n.b - max n.a over their
-points. The distance of the bodies is at least the gap, whatever n is. Over a stretch, two bounds keep the
-gap:
+points. The distance of the bodies is at least the gap, whatever n is. Over a stretch, the gap is bounded from
+below in one of two ways:
 
-- A stretch as a room: joints stay in the hull of their control points. From the middle of the room, no point
-  moves by more than the sum of reach times half the room's width, over the joints between both bodies.
-- A stretch as a curve, within one sequence: for each point b, n.b has a second derivative of at most K. So
-  the gap is below the lesser of the gaps at both ends by at most K d^2 / 8, for d seconds. With the sums W
-  and A of |q'| and |q''| up to a joint, K is the sum of reach (W^2 + A, less its value before), since each
-  derivative over a joint is a cross product with its axis; a sliding joint adds 2 W |q'| + |q''|.
+- A stretch as a room (a box of joint positions): joints stay in the hull of their control points. From the
+  middle of the room, no point moves by more than the sum of reach times half the room's width, over the
+  joints between both bodies.
+- A stretch as a curve over time, without a rest inside: for each point b, n.b has a second derivative of at
+  most K. So the gap is below the lesser of the gaps at both ends by at most K d^2 / 8, for d seconds. With
+  the sums W and A of |q'| and |q''| up to a joint, K is the sum of reach (W^2 + A, less its value before),
+  since each derivative over a joint is a cross product with its axis; a sliding joint adds 2 W |q'| + |q''|.
 
 In a slow zone, the speed of a point exceeds the larger speed at both ends by at most d^2 / 8 times its
 largest third derivative, which is at most the sum of reach (W^3 + 3 W A + J, less its value before).
@@ -41,13 +43,15 @@ PARTS = 64
 
 @dataclass
 class Stretch:
-    """A stretch of the text, as a room, or as a curve.
+    """An interval of a controller text's segments, regarded as a box of joint positions (a room) or as a
+    curve over time.
 
-    A gap falls below its least value at `links` by at most a bound of its derivative of this `order`, times a
-    `part` of the duration: of the first order over the way in a room, of the second over time on a curve.
+    On the interval, a gap is smaller than the least gap at `links` by at most `part` times a bound of the
+    gap's derivative of this `order`: the first derivative over the joints in a room, the second over time on
+    a curve.
 
     Attributes:
-        links: the links in the middle of the room, or at both ends of the curve.
+        links: the frames of the joints in the middle of the room, or at both ends of the curve.
         rates: for each joint, half the widths of the room, or bounds of its first three derivatives.
         order: 1 for a room, 2 for a curve.
         part: 1 for a room, d^2 / 8 for a curve.
@@ -59,12 +63,14 @@ class Stretch:
     part: int
 
     def gap(self, one: Body | Border, other: Body, normal: Sequence[Fraction], turns: Sequence[bool]) -> int:
-        """Return the least gap of a pair on the whole stretch, along a normal in the first body's link."""
+        """Return a lower bound of the gap between two bodies on the whole stretch, along a normal that is
+        given in the frame of the first body's joint.
+        """
         gap = min(_gap(one, other, links, normal) for links in self.links)
         return gap - self._rest(self.order, one.joint, other, turns)
 
     def speed(self, other: Body, turns: Sequence[bool]) -> int:
-        """Return a bound of the speeds of a body's points on a curve."""
+        """Return an upper bound of the speeds of a body's points on a curve."""
         fastest = max(other.fastest(links[other.joint]) for links in self.links)
         return fastest + self._rest(3, 0, other, turns)
 
@@ -76,7 +82,7 @@ class Stretch:
 
 
 class Timeline:
-    """All segments of a text, with the arm on them."""
+    """All segments of a controller text in order, with the arm on them."""
 
     def __init__(self, rows: Sequence[Moved], arm: Arm) -> None:
         self.arm = arm
@@ -94,7 +100,7 @@ class Timeline:
 
     @property
     def steps(self) -> list[tuple[int, int, int]]:
-        """Each command's step, with the begin and the end of its stretch."""
+        """The step of each command, with the begin and the end of its interval of segments."""
         ends = zip(self.rows, self.begins, self.begins[1:], strict=False)
         return [(row.entry.step, begin * PARTS, end * PARTS) for row, begin, end in ends]
 
@@ -111,12 +117,14 @@ class Timeline:
         return Motion(row, self.arm).bounds(row.first + own)
 
     def stretch(self, begin: int, end: int, is_curve: bool) -> Stretch:
-        """Return a stretch as a curve, or as a room, which then covers all segments that it touches."""
+        """Return an interval of segments as a curve, or as a room, which then covers all segments that it
+        touches.
+        """
         need(0 <= begin < end, "a stretch of nothing")
         return self._curve(begin, end) if is_curve else self._room(begin // PARTS, (end - 1) // PARTS)
 
     def _room(self, first: int, last: int) -> Stretch:
-        """Return the segments first to last as a room."""
+        """Return the segments from `first` to `last` as a room (a box of joint positions)."""
         low, high = list[int](), list[int]()
         for own in self._control(first, last):
             low = [min(pair) for pair in zip(low or own[0], *own, strict=True)]
@@ -133,7 +141,7 @@ class Timeline:
                 yield row.control[row.first + one : row.first + end + 3]
 
     def _curve(self, begin: int, end: int) -> Stretch:
-        """Return a stretch of one sequence as a curve."""
+        """Return an interval of segments as a curve over time. The interval must not contain a rest."""
         first, last = begin // PARTS, (end - 1) // PARTS
         row = self._row(first)[0]
         need(row.run == self._row(last)[0].run, "a curve that isn't within one sequence")
@@ -146,13 +154,14 @@ class Timeline:
 def check_apart(
     rows: Sequence[Moved], told: dict[str, Any], planes: list[Any], arm: Arm
 ) -> tuple[str, list[str]]:
-    """Check the margins of bodies, and zones; return what was checked, and what was not.
+    """Check that bodies keep their margins and respect zones; return what was checked, and what was not.
 
     Args:
         rows: all commands.
         told: the proof's `bodies`, `exceptions` from their margins, and `zones`.
-        planes: stretches [begin, end, kind, [pair, three integers: n in the first body's link], ...]. The
-            kind is 0 for a room, 1 for a curve, and 2 for a curve that is slow enough for a slow zone.
+        planes: stretches [begin, end, kind, [pair, three integers: n in the frame of the first body's joint],
+            ...]. The kind is 0 for a room, 1 for a curve, and 2 for a curve that is slow enough for a slow
+            zone.
         arm: the arm.
     """
     timeline = Timeline(rows, arm)
@@ -188,7 +197,9 @@ def check_apart(
 
 
 def _gap(one: Body | Border, other: Body, links: list[Frame], normal: Sequence[Fraction]) -> int:
-    """Return the gap of a pair along a normal that is given in the first body's link."""
+    """Return the gap between two bodies along a normal that is given in the frame of the first body's
+    joint.
+    """
     if isinstance(one, Border):  # only the border itself is a plane for it
         return one.offset - other.extent(links[other.joint], one.normal)
     x, y, z = (whole(number) for number in normal)

@@ -1,8 +1,9 @@
-"""The pose of the arm, the velocities of its frames, and bounds of the fourth derivatives of their paths.
+"""The kinematics of the arm: its pose, the velocities of its frames, and bounds of the fourth derivatives of
+their paths.
 
-The proof gives the arm as constant transforms (steps): the first leads from the base to the first joint, each
-following one from a joint to the next, the last to the flange. A joint turns about the z axis of its frame,
-or slides along it. All numbers are fixed-point.
+The proof describes the arm by constant transforms (steps): the first leads from the base to the first joint,
+each following one from a joint to the next, the last to the flange. A joint turns about the z axis of its
+frame, or slides along it. All numbers are fixed-point.
 """
 
 from collections.abc import Sequence
@@ -23,9 +24,10 @@ _UNEVEN = ONE >> 40
 
 @dataclass
 class Frame:
-    """A frame in {B}.
+    """A moving frame in {B}.
 
-    `origin` has the velocity `rate`; the columns `axes` of its rotation have the angular velocity `spin`.
+    The velocity of `origin` is `rate`; the angular velocity of the rotation with the columns `axes` is
+    `spin`.
     """
 
     origin: Vector
@@ -49,9 +51,9 @@ def dot(a: Sequence[int], b: Sequence[int]) -> int:
 
 
 def placed(numbers: Sequence[Fraction]) -> Step:
-    """Read a frame; return the columns of its rotation, and its origin.
+    """Read a pose from the proof; return the columns of its rotation, and its origin.
 
-    It is given as three rows of the rotation, each followed by a coordinate of the origin [m].
+    The proof gives three rows of the rotation, each followed by a coordinate of the origin [m].
     """
     need(len(numbers) == 12, "a frame doesn't have 12 numbers")
     columns = [[fixed(numbers[4 * row + column]) for row in range(3)] for column in range(4)]
@@ -68,7 +70,7 @@ def placed(numbers: Sequence[Fraction]) -> Step:
 
 
 class Arm:
-    """The chain from {B} to the flange."""
+    """The kinematic chain from {B} to the flange."""
 
     def __init__(self, robot: dict[str, Any]) -> None:
         self.turns: list[bool] = [kind == "turns" for kind in robot["kinds"]]
@@ -79,7 +81,7 @@ class Arm:
         )
 
     def links(self, q: Sequence[int], rates: Sequence[int]) -> list[Frame]:
-        """Return {B}, and the frame of each joint after the joint has moved.
+        """Compute the forward kinematics: return {B}, and the frame of each joint after the joint has moved.
 
         Args:
             q: joint positions [rad or m].
@@ -107,14 +109,16 @@ class Arm:
         return found
 
     def frame(self, q: Sequence[int], rates: Sequence[int], tool: Step) -> Frame:
-        """Return a frame on the flange for joint positions [rad or m] and velocities [rad/s or m/s]."""
+        """Return a moving frame that is fixed on the flange, for joint positions [rad or m] and velocities
+        [rad/s or m/s].
+        """
         return beyond(beyond(self.links(q, rates)[-1], self.steps[-1]), tool)
 
     def reaches(self, size: int, point: Vector, travel: Sequence[int], way: int = 0) -> list[int]:
         """Bound the distance of a body from the axis of each joint that turns it, over all joint positions.
 
-        Going from the body towards the base, take the point of each axis nearest to the point before. Only
-        turns lie between two axes, so the distances add up; a sliding joint adds its `travel`.
+        From the body towards the base, take on each axis the point nearest to the point of the axis before.
+        Only rotations lie between two axes, so the distances add up; a sliding joint adds its `travel`.
 
         Args:
             size: number of joints that move the body.
@@ -152,7 +156,7 @@ class Arm:
 def derivative(
     order: int, turns: Sequence[bool], reach: Sequence[int], *rates: Sequence[int]
 ) -> tuple[int, int]:
-    """Bound the derivative of order 1 to 4 of a point, and of the turn, that joints move.
+    """Bound a derivative over time, of order 1 to 4, of a point and of the rotation that joints move.
 
     Each joint has a constant jerk, and |q'|, |q''|, |q'''| are at most its `rates`. By Faa di Bruno's
     formula, with the sums W, A, J of these up to a turning joint, the complete Bell polynomial B of W, A, J
@@ -183,7 +187,7 @@ def _bell(w: int, a: int, j: int) -> tuple[int, int, int, int, int]:
 
 
 def beyond(here: Frame, step: Step) -> Frame:
-    """Return the frame at the end of a constant step."""
+    """Return the frame that a constant transform leads to from a frame."""
     rows = list(zip(*here.axes, strict=True))
     far = [dot(row, step[1]) for row in rows]
     return Frame(
@@ -195,7 +199,7 @@ def beyond(here: Frame, step: Step) -> Frame:
 
 
 def _out(columns: list[Vector], offset: Vector, point: Vector) -> Vector:
-    """Return a point, given in a frame, in the frame before it."""
+    """Convert a point from a frame to the previous frame of the chain."""
     x, y, z = columns
     rows = zip(x, y, z, offset, strict=True)
     return [((a * point[0] + b * point[1] + c * point[2]) >> BITS) + o for a, b, c, o in rows]

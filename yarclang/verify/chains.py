@@ -1,12 +1,13 @@
-"""Check motions: each follows its path, and flows into the next one with a corner between both.
+"""Check that each motion follows its path, and that blends between motions stay near the corners of their
+paths.
 
-A motion from rest to rest is a chain of one. A motion of a chain begins at the programmed goal of the motion
-before. It follows its path from one place of the text to another, which the proof names. If the next motion
-continues exactly there, at the end of the first path and the start of the second, the corner needs no further
-check. Otherwise the corner has a ball; the proof gives its radius and both tolerances. Until the next path is
-joined, the frame stays in the ball, and so do the parts of both paths that are not followed. The frame is
-turned away from the corner by at most the turns of these parts. Between two motions of joints, each joint has
-a ball of its own.
+A motion from rest to rest is a chain of one. In a chain of blended motions, each begins at the programmed
+goal of the motion before. It follows its path from one place of the controller text to another; the proof
+names both. If the next motion continues exactly there, at the end of the first path and the start of the
+second, the corner needs no further check. Otherwise the corner has a ball; the proof gives its radius and
+both tolerances. Until the next path is joined, the frame stays in the ball, and so do the sections of both
+paths that are not followed. The frame is turned away from the corner by at most the turns of these sections.
+Between two joint motions, each joint has a ball (an interval) of its own.
 """
 
 from collections.abc import Iterator, Sequence
@@ -56,13 +57,13 @@ class Followed:
 
     Attributes:
         motion: the motion.
-        told: what is told of it.
+        told: the proof's description of the motion.
         what: what follows the path, a frame or the joints.
         path: the path.
-        begin: place from which on the path is followed.
+        begin: place in the controller text from which on the path is followed.
         end: place up to which the path is followed.
-        shares: range of the path that is followed.
-        speeds: least and largest speed on each piece, of a frame.
+        shares: range of the path parameter s that is followed.
+        speeds: for a frame, least and largest speed on each piece of the motion's time.
         segments: segment of each of these pieces.
     """
 
@@ -78,9 +79,10 @@ class Followed:
 
 
 def chains_of(rows: Sequence[Moved], steps: Sequence[Told]) -> Iterator[list[Link]]:
-    """Yield the motions from rest to rest, also those that lead nowhere, and the chains of motions.
+    """Yield the motions from rest to rest, including those without a path, each as a chain of one, and the
+    chains of blended motions.
 
-    Motions without moves between the motions of a chain belong to the chain.
+    A motion without move lines between the motions of a chain belongs to the chain.
     """
     chain = list[Link]()
     for row, told in zip(rows, steps, strict=True):
@@ -114,7 +116,9 @@ def why_not(chain: Sequence[Link], proofs: dict[str, Any]) -> str:
 
 
 def check_chain(chain: Sequence[Link], proofs: dict[str, Any], arm: Arm) -> Iterator[str]:
-    """Check a chain, or a motion from rest to rest; yield the parts that are not checked."""
+    """Check a chain of blended motions, or a motion from rest to rest; yield the properties that are not
+    checked.
+    """
     found, late = list[Followed](), Fraction(0)
     for row, told in chain:
         title, (position, angle) = row.entry.title, told["tolerance"]
@@ -143,7 +147,7 @@ def check_chain(chain: Sequence[Link], proofs: dict[str, Any], arm: Arm) -> Iter
 
 
 def _stays(row: Moved, told: Told, arm: Arm) -> None:
-    """Check that a motion without moves leads to where the robot stands."""
+    """Check that the goal of a motion without move lines is where the robot already is."""
     title, here = row.entry.title, in_joints(row.begin, PRINTED, arm.turns)
     if told["move"] in FRAMED:
         _near(arm, here, told, told["tolerance"], f"{title}: it leads nowhere, and its goal")
@@ -154,10 +158,11 @@ def _stays(row: Moved, told: Told, arm: Arm) -> None:
 
 
 def _on_time(row: Moved, told: Told, proof: Told, arm: Arm) -> None:
-    """Check that each joint is where a timetable has it at the same time, within its own part of `within`.
+    """Check that each joint is where a timetable has it at the same time, within the joint's entry of
+    `within`.
 
-    Pieces end at the rows as well. The text's segments take the table's time but for the rounding of TM, over
-    which they are spread evenly.
+    The motion is cut into pieces, also at the timetable's rows. The segments of the controller text take the
+    timetable's duration except for the rounding of TM, which is spread evenly over them.
     """
     title, motion, rows = row.entry.title, Motion(row, arm), told["rows"]
     table, size = (
@@ -189,14 +194,16 @@ def _on_time(row: Moved, told: Told, proof: Told, arm: Arm) -> None:
 
 
 def _per_joint(limits: Sequence[Fraction], arm: Arm) -> list[int]:
-    """Return for each joint its part of a length [mm] and an angle [deg]."""
+    """Return for each joint its tolerance, from a length [mm] and an angle [deg]."""
     return [in_si(limits[1] if turns else limits[0], 1, turns) for turns in arm.turns]
 
 
 def _goals(row: Moved, told: Told, proof: Told, arm: Arm) -> Iterator[Vector]:
-    """Yield the goals of a motion of joints; those that were chosen for a pose must be at the pose.
+    """Yield the goals of a joint motion as joint positions. If they were chosen for a programmed pose, check
+    that they reach this pose.
 
-    The last may be told as a pose alone. Then it is where the motion ends; in a chain the proof says where.
+    For the last goal, the proof may give only a pose. The joint positions are then those where the motion
+    ends; in a chain, the proof gives them.
     """
     title, flows = row.entry.title, row.entry.blend is not None
     for goal in told["through"]:
@@ -225,7 +232,9 @@ def _near(arm: Arm, q: Sequence[int], told: Told, limits: Sequence[Fraction], wh
 
 
 def _follow(row: Moved, told: Told, proof: Told, arm: Arm, before: Followed | None) -> Followed:
-    """Follow the path of a motion, from the goal of the motion before, or from where the robot stands."""
+    """Check that a motion follows its path, which begins at the goal of the motion before, or where the robot
+    is at rest.
+    """
     title, motion = row.entry.title, Motion(row, arm)
     for name in ("s", "rates"):
         proof[name] = [whole(one) for one in proof[name]]
@@ -270,7 +279,7 @@ def _follow(row: Moved, told: Told, proof: Told, arm: Arm, before: Followed | No
 
 
 def _within(what: Frames | Joints, limits: Sequence[int], off: Sequence[int], where: str) -> None:
-    """Refuse a frame, or joints, that are farther away from their path or corner than they may be."""
+    """Refuse a frame, or joints, that may be farther from their path or corner than the limits allow."""
     for number, (limit, one) in enumerate(zip(limits, off, strict=True)):
         if isinstance(what, Joints):
             who = f"joint {number + 1} is {one / ONE:.6g} rad or m"
@@ -280,9 +289,10 @@ def _within(what: Frames | Joints, limits: Sequence[int], off: Sequence[int], wh
 
 
 def _of_joints(row: Moved, told: Told, proof: Told, arm: Arm, before: Followed | None) -> Pieces:
-    """Return the path of a motion of joints.
+    """Return the programmed path of a joint motion.
 
-    After a motion of a frame it begins at joint positions that the proof has chosen for the frame's goal.
+    After a Cartesian motion, the path begins at joint positions that the proof has chosen for the frame's
+    goal.
     """
     if before is None:
         start = in_joints(row.begin, PRINTED, arm.turns)
@@ -298,7 +308,7 @@ def _of_joints(row: Moved, told: Told, proof: Told, arm: Arm, before: Followed |
 
 
 class _Corner:
-    """A place that doesn't move, as a path."""
+    """A fixed place (the corner between two paths), in the form of a path."""
 
     def __init__(self, state: State) -> None:
         self._state = [(at, [0] * len(at)) for at, _ in state]
@@ -313,13 +323,15 @@ class _Corner:
 
 
 def _still(places: Sequence[Fraction], seconds: Fraction) -> Iterator[Piece]:
-    """Yield the pieces between places, on which s stays 0."""
+    """Yield the pieces of time between places, with a path parameter s that stays 0."""
     for begin, end in pairwise(places):
         yield Piece((end - begin) * seconds, (0, 0), (0, 0), (0, 0, 0), int(begin), end)
 
 
 def _corner(first: Followed, second: Followed, proof: Told) -> list[tuple[int, int]]:
-    """Check the corner after a motion; return bounds of the frame's speed between both paths."""
+    """Check the blend around the corner between two motions; return bounds of the frame's speed while neither
+    path is followed.
+    """
     row, told, arm = first.motion.row, first.told, first.motion.arm
     title = row.entry.title
     far = Fraction(row.entry.blend or 0, 2) + 1
@@ -361,15 +373,16 @@ def _seen_from(told: Told, tool: Step) -> Step:
 def _left_out(
     left: Followed, share: int, end: int, one: Followed, corner: _Corner, limits: Sequence[int], where: str
 ) -> int:
-    """Check that the part of a path that isn't followed is in the corner's ball; return what it turns there.
+    """Check that the section of a path that a blend leaves out is in the corner's ball; return how far the
+    path turns there.
 
-    The part is cut into pieces. On each, a place is off the straight line between the ends by at most the
-    square of the piece's size, times 1 / 8 of the second derivative.
+    The section is cut into pieces. On each, a point of the path is off the straight line between the ends by
+    at most the square of the piece's size, times 1 / 8 of the second derivative.
 
     Args:
         left: the motion along this path.
-        share: share at which the path is left or joined.
-        end: its end at the corner.
+        share: path parameter s at which the path is left or joined.
+        end: path parameter s of the corner.
         one: the motion whose frame, or whose joints, have a ball.
         corner: the corner.
         limits: the ball.
@@ -418,7 +431,9 @@ def _moved(state: State, offset: Vector) -> Vector:
 def _speeds(
     chain: Sequence[Link], found: Sequence[Followed], balls: Sequence[list[tuple[int, int]]], proofs: Told
 ) -> Iterator[str]:
-    """Check speeds and ceilings. In the segments of a blend, the larger one of its two motions applies."""
+    """Check the speeds of a chain against the programmed speeds and ceilings; yield what isn't checked. In a
+    blend, the larger limit of its two motions applies.
+    """
     around = [_larger(one, other) for (_, one), (_, other) in pairwise(chain)]
     for number, ((row, told), path) in enumerate(zip(chain, found, strict=True)):
         begin, end = row.first + Fraction(row.before or 0, 2), row.last - Fraction(row.entry.blend or 0, 2)
@@ -445,7 +460,9 @@ def _speeds(
 
 
 def _speed_of_joints(path: Followed, proof: Told, alone: bool) -> Iterator[str]:
-    """Check the ceiling of a frame while joints move from rest to rest; yield what isn't checked."""
+    """Check the speed ceiling of a frame during a joint motion from rest to rest; yield what isn't
+    checked.
+    """
     told, title = path.told, path.motion.row.entry.title
     if "speed" in told:
         yield f"{title}: its speed"
@@ -459,7 +476,7 @@ def _speed_of_joints(path: Followed, proof: Told, alone: bool) -> Iterator[str]:
 
 
 def _is_slower(one: Told, other: Told) -> bool:
-    """Return True if a motion has a speed, and the motion beside it keeps at least this speed."""
+    """Return True if a motion has a programmed speed that the motion beside it reaches as well."""
     own, besides = _speed(one), _speed(other)
     if own is None or besides is None:
         return False
@@ -472,7 +489,9 @@ def _speed(told: Told) -> Fraction | None:
 
 
 def _larger(one: Told, other: Told) -> dict[str, Fraction]:
-    """Return the ceiling in a blend of two motions [mm/s]: the larger speed or ceiling, if both have one."""
+    """Return the speed ceiling in a blend of two motions [mm/s]: the larger speed or ceiling, if both have
+    one.
+    """
     own, besides = _speed(one), _speed(other)
     tops = [] if own is None or besides is None else [max(own, besides)]
     if "ceiling" in one and "ceiling" in other and {one["move"], other["move"]} <= set(FRAMED):

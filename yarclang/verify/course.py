@@ -1,4 +1,6 @@
-"""Check the actions between the motions: rests, branches, the guard, assignments, and the duration."""
+"""Check everything in a controller text besides its motions: rests, branches, the guard (the watchdog against
+a failing host), assignments, and the duration.
+"""
 
 import re
 from bisect import bisect
@@ -25,18 +27,18 @@ _LATE, _AHEAD = Fraction(1, 10), 2
 
 @dataclass
 class Moved:
-    """A command of the map with its segments.
+    """A command of the program, as the controller text's comments list it, with its segments.
 
     Segment k is the uniform cubic B-spline of the points k to k + 3 of `control`, and takes `steps` / 4096
     ms. A command without moves has no segments, and stays at `begin`.
 
     Attributes:
-        entry: the command in the map.
+        entry: the command as listed.
         begin: position before the command.
         end: position after the command.
-        control: control points of its sequence.
+        control: control points of the command's sequence (moves without a rest between them).
         steps: duration of a segment [1/4096 ms].
-        first: its first segment.
+        first: the first segment of the command.
         last: the segment after its last one.
         before: number of segments of the blend at its start; None if it starts at rest.
         run: number of its sequence.
@@ -60,10 +62,10 @@ class Moved:
 
 @dataclass
 class _Open:
-    """A WHEN or a loop that has not ended.
+    """A WHEN or a loop whose end hasn't been reached yet.
 
-    It has what is known at its begin, at the ends of the other ways (of a loop: at an EXIT), and where a pass
-    of a loop ends before the loop does.
+    It stores the state at its begin, at the ends of the other branches (of a loop: at an EXIT), and where a
+    pass of a loop ends before the loop does.
     """
 
     loop: bool
@@ -74,11 +76,12 @@ class _Open:
 
 
 class Ways:
-    """What is known at a place of a text, over all ways to it.
+    """The state at a place of a controller text (such as the elapsed time), merged over all branches to the
+    place.
 
     Attributes:
-        at: what is known here; None if no way leads here.
-        ended: what is known at each place where ways end before the text does. These needn't agree.
+        at: the state here; None if no branch leads here.
+        ended: the state at each place where branches end before the text does. These states needn't agree.
     """
 
     def __init__(self, at: Any, merge: Callable[[Any, Any, int], Any]) -> None:
@@ -92,7 +95,9 @@ class Ways:
         return self._merge(one, other, line)
 
     def passes(self, kind: str, line: int) -> Any:
-        """Pass a barrier of a kind; return what is known where passes of a loop end, at the loop's end."""
+        """Process a barrier (a line that branches, loops or stops); at the end of a loop, return the state
+        where its passes end early.
+        """
         if kind in ("when", "loop"):
             self.open.append(_Open(kind == "loop", self.at, None if kind == "loop" else self.at))
         elif kind in ("stop", "abort"):
@@ -121,7 +126,7 @@ class Ways:
 
 
 def follow(text: Text) -> tuple[list[Moved], list[str]]:
-    """Return the commands with their segments, and all actions of the text in order.
+    """Return the commands with their segments, and all actions of the controller text in order.
 
     The controller begins a sequence at rest at the current position, S, and ends it at rest in its last point
     E: the control points are S, S, S, the points, E, E (TUM 289). Outputs and barriers must be at rest; an
@@ -190,7 +195,9 @@ def _sequence(
     done: list[str],
     step: int,
 ) -> int:
-    """Assign the segments of a sequence to its commands; return the last command's step."""
+    """Assign the segments of a sequence (moves without a rest between them) to its commands; return the last
+    command's step.
+    """
     need(standing.at is not None, f"line {item.line} is never reached")
     start, points = standing.at, item.points
     control = [start, start, start, *points, points[-1], points[-1]]
@@ -235,14 +242,15 @@ Span = tuple[Fraction, Fraction, int, int]
 
 
 def _widest(one: Span, other: Span, *_: int) -> Span:
-    """Return the span of two sets of ways to a place."""
+    """Return the span of durations and waits that covers two sets of branches to one place."""
     return min(one[0], other[0]), max(one[1], other[1]), min(one[2], other[2]), max(one[3], other[3])
 
 
 def span_of(text: Text) -> tuple[Span, bool]:
-    """Return the span of a text, and True if it has a loop, which counts once.
+    """Return the shortest and longest duration of a controller text with its least and largest number of
+    waits, and True if it has a loop. A loop counts once.
 
-    A way counts up to the first end of a pass, or through the loop's EXIT.
+    A branch counts up to the first end of a pass, or through the loop's EXIT.
     """
     ways, loops = Ways((Fraction(0), Fraction(0), 0, 0), _widest), False
     for item in text.course:
@@ -269,7 +277,7 @@ def span_of(text: Text) -> tuple[Span, bool]:
 
 
 def check_duration(text: Text) -> None:
-    """Check the header's duration."""
+    """Check that the duration in the text's header is that of its segments and dwells."""
     (least, most, fewest, waits), loops = span_of(text)
     count = f"{fewest} to {waits}" if fewest < waits else f"{waits}"
     rest = f" and {count} wait{'s' * (waits != 1)}" if waits else ""
@@ -288,7 +296,9 @@ def check_duration(text: Text) -> None:
 
 
 def check_guard(text: Text, robot: dict[str, Any]) -> None:
-    """Check that the guard leaves lines for a hold if the host fails, and never holds at a motion's end."""
+    """Check that the guard (the watchdog against a failing host) leaves enough lines for a stop on the path,
+    and never stops the robot at the end of a motion.
+    """
     low, full, words = text.marks
     runs = [item for item in text.course if item.kind == "run"]
     smallest = 3 * (robot["i8"] + 1) * Fraction(robot["i10"], 8_388_608)
@@ -318,7 +328,9 @@ def check_guard(text: Text, robot: dict[str, Any]) -> None:
 
 
 def check_variables(text: Text, robot: dict[str, Any], outputs: list[str]) -> None:
-    """Check that only outputs are assigned, and that conditions read no variable of guard or motors."""
+    """Check that only outputs are assigned, and that conditions read no variable of the guard or of
+    motors.
+    """
     puts = [
         what for item in text.course for _, what in (*item.puts, (0, item.what if item.kind == "put" else ""))
     ]
@@ -336,7 +348,9 @@ def check_variables(text: Text, robot: dict[str, Any], outputs: list[str]) -> No
 
 
 def check_start(text: Text, robot: dict[str, Any], start: list[Fraction]) -> None:
-    """Check that the start is that of the program and of the header, to the last printed digit."""
+    """Check that the controller text starts where the program and the text's header say, to the last
+    printed digit.
+    """
     exact = min(Fraction(1, 2 * 10**text.decimals), Fraction(1, 1000)) + Fraction(1, 10**9)
     for at, meant in zip(text.start, start, strict=True):
         need(abs(Fraction(at, PRINTED) - meant) <= exact, "the text starts elsewhere than the program")

@@ -1,4 +1,4 @@
-"""Numbers: exact for text and proof, fixed-point for roots, sines and long products.
+"""Exact numbers for controller text and proof, and fixed-point numbers for roots, sines and long products.
 
 A fixed-point integer x stands for x / 2**128. Each product and quotient of fixed-point numbers is off by less
 than one unit, a sine or cosine by less than 2**10 units. Consider a chain of at most 16 joints, with steps no
@@ -18,19 +18,19 @@ SLACK = ONE >> 44
 
 
 class RefusedError(Exception):
-    """The text or its proof is wrong; the message says what, where, and by how much."""
+    """The controller text or its proof is wrong; the message says what, where, and by how much."""
 
 
 def need(holds: bool, reason: str) -> None:
-    """Refuse the text or the proof with a reason, unless a condition holds."""
+    """Refuse the controller text or the proof with a reason, unless a condition is true."""
     if not holds:
         raise RefusedError(reason)
 
 
 def unknown(told: dict[str, Any], names: str) -> str:
-    """Return the names in a table of the proof that are none of the known ones; empty if there are none.
+    """Return the keys in a table of the proof that this checker doesn't know; empty if it knows all.
 
-    What this checker doesn't know may change the meaning of all else in the table.
+    An unknown key might change the meaning of the whole table.
     """
     return ", ".join(sorted(set(told) - set(names.split())))
 

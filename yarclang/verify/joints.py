@@ -1,6 +1,7 @@
-"""Paths of joints: straight lines, natural cubic splines, and timetables.
+"""Paths in joint space: straight lines, natural cubic splines, and timetables.
 
-All are polynomials from one point to the next, over the share of a parameter: a length, or time.
+All are polynomials from one point to the next, over a parameter from 0 to 1, which is a share of length or of
+time.
 """
 
 from bisect import bisect, bisect_left
@@ -24,7 +25,9 @@ _EQUAL = ONE // 10**9
 
 
 class Joints:
-    """The joints on a motion, a group each. They are cubics themselves, so their fourth derivatives are 0."""
+    """The joints of the arm during a motion, each as a group of one number. On a segment they are cubics, so
+    their fourth derivatives are 0.
+    """
 
     def __init__(self, motion: Motion) -> None:
         self._motion = motion
@@ -39,10 +42,11 @@ class Joints:
 
 
 class Pieces:
-    """A path of several numbers, a polynomial on each of its pieces, over a share from 0 to 1.
+    """A path of several numbers, such as joint positions: a polynomial on each of its pieces, over a
+    parameter from 0 to 1.
 
     Attributes:
-        edges: shares at which pieces begin and end.
+        edges: parameter values at which pieces begin and end.
         points: for each piece, the Bezier points of each number; the k-th derivative lies in the hull of
             their k-th differences, times degree! / (degree - k)! / width^k.
         goal: the end of the path.
@@ -56,7 +60,9 @@ class Pieces:
         self._bounds = lru_cache(64)(self._bounds_of)
 
     def at(self, s: int) -> State:
-        """Return the numbers at a share, and their derivatives over it (de Casteljau)."""
+        """Return the path's numbers at a parameter value, and their derivatives over the parameter (de
+        Casteljau).
+        """
         k = min(bisect(self.edges, s), len(self.points)) - 1
         width, found = self.edges[k + 1] - self.edges[k], []
         u = ((s - self.edges[k]) << BITS) // width
@@ -69,7 +75,8 @@ class Pieces:
         return found
 
     def bends(self, share: tuple[int, int]) -> Sequence[Sequence[int]]:
-        """Return bounds of the derivatives over the share of order 2 to 4, and of the jumps of the third.
+        """Return bounds of the path's derivatives of order 2 to 4 over its parameter, and of the jumps of the
+        third.
 
         The Hermite cubic misses a jump of a function's third derivative by at most d^3 / 192 times the jump.
         """
@@ -77,7 +84,7 @@ class Pieces:
         return self._bounds(first, max(bisect_left(self.edges, share[1]), first + 1))
 
     def _bounds_of(self, first: int, last: int) -> Sequence[Sequence[int]]:
-        """Return these bounds on the pieces from `first` to the one before `last`."""
+        """Return the bounds of `bends` on the pieces from `first` to the one before `last`."""
         found = []
         for number in range(len(self.goal)):
             bounds, thirds = [0, 0, 0, 0], list[tuple[int, int]]()
@@ -101,9 +108,10 @@ def _derivatives(points: Vector, width: int) -> list[Vector]:
 
 
 def smooth(y: Sequence[Vector], steps: list[int], clamped: bool = False) -> Pieces:
-    """Return the cubic spline through points over a parameter that grows by steps.
+    """Return the cubic spline through points. The parameter grows from one point to the next by given steps.
 
-    It is natural, so that its second derivatives at both ends are 0, or clamped, so that its first ones are.
+    The spline is natural, so that its second derivatives at both ends are 0, or clamped, so that its first
+    ones are.
     """
     need(len(steps) > 0, "a spline has one way-point only")
     near = min(steps) <= (_NEAREST if len(steps) > 1 else 0)
@@ -134,7 +142,9 @@ def _bend(h: list[int], slope: list[int]) -> list[int]:
 
 
 def through(points: Sequence[Vector]) -> Pieces:
-    """Return the natural spline through joint positions over the sum of distances; a line through two."""
+    """Return the natural spline through joint positions; its parameter is the sum of their distances. For two
+    positions, it is a line.
+    """
     y, steps = [points[0]], list[int]()
     for one, other in pairwise(points):
         apart = ONE if len(points) == 2 else length(*(b - a for a, b in zip(one, other, strict=True)))
@@ -145,10 +155,10 @@ def through(points: Sequence[Vector]) -> Pieces:
 
 
 def timetable(stands: Vector, rows: Sequence[dict[str, Any]], turns: Sequence[bool]) -> Pieces:
-    """Return the path of a timetable, from rest where the robot stands at its first row.
+    """Return the path of a timetable, which begins at rest at the robot's current position.
 
-    Between two rows it is the quintic with their positions, velocities and accelerations, or the cubic with
-    their positions and velocities. Of positions alone it is the clamped spline.
+    If the timetable gives positions, velocities and accelerations, the path is a quintic between two rows;
+    with positions and velocities, it is a cubic. With positions alone, it is the clamped spline.
     """
     times = [row["at"] for row in rows]
     later = all(one + times[-1] / 10**9 < other for one, other in pairwise(times))
@@ -178,6 +188,6 @@ def timetable(stands: Vector, rows: Sequence[dict[str, Any]], turns: Sequence[bo
 
 
 def in_joints(numbers: Sequence[Fraction | int], scale: int, turns: Sequence[bool]) -> Vector:
-    """Return joint positions in units of 1 / scale deg or mm, in SI units."""
+    """Convert joint positions from units of 1 / scale deg or mm to SI units."""
     need(len(numbers) == len(turns), "a joint position has another number of joints")
     return [in_si(one, scale, turn) for one, turn in zip(numbers, turns, strict=True)]

@@ -24,7 +24,8 @@ Shares = dict[str, Fraction]
 
 
 def check_limits(rows: Sequence[Moved], robot: dict[str, Any]) -> Shares:
-    """Check all segments against all limits; return the largest share of each limit.
+    """Check all segments against the limits of joints and motors; return the largest used share of each
+    limit.
 
     Segments of motions without a jerk limit, and of their blends, are not checked against the jerk limit.
     """
@@ -42,7 +43,7 @@ def check_limits(rows: Sequence[Moved], robot: dict[str, Any]) -> Shares:
 
 
 def _beside(rows: Sequence[Moved], number: int, way: int) -> bool:
-    """Return True if the next command with moves, in this direction, has no jerk limit."""
+    """Return True if the next command with moves, forwards or backwards, has no jerk limit."""
     number += way
     while not rows[number].control:
         number += way
@@ -79,7 +80,7 @@ def _hold(what: str, share: Fraction, who: str, shares: Shares) -> None:
 
 
 def _fastest(steps: Sequence[Any]) -> Fraction:
-    """Return the largest |velocity| times T of segments with these differences of their control points."""
+    """Return the largest |velocity| times T of the segments whose control points have these differences."""
     most = Fraction(0)
     for one, middle, other in zip(steps, steps[1:], steps[2:], strict=False):
         begin, end = Fraction(one + middle) / 2, Fraction(middle + other) / 2

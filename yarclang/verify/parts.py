@@ -1,11 +1,11 @@
-"""Check that parts and tools stay where they are while the arm takes and leaves them.
+"""Check that workpieces and tools stay where they are while the arm takes and leaves them.
 
-The proof tells a part as bodies of one name: on the ground, on the arm, on the ground again, each with the
-commands during which it is there. A tool may have several bodies. After a branch, a part has a body at each
-place where it may be. Each motion is compared with each motion that may follow it, on any way through the
-text. A body either goes on, or the arm takes or leaves it: the robot stands, an output is set, and a body of
-the next motion has the same place and shape. That a part is brought or taken away by others is told, as all
-of the cell is.
+The proof describes a workpiece as bodies of one name: on the ground, on the arm, on the ground again, each
+with the commands during which it is there. A tool may have several bodies. After a branch, a workpiece has a
+body at each place where it may be. Each motion is compared with each motion that may follow it, on any branch
+of the controller text. Either a body is present in both, or the arm takes or leaves it: the robot is at rest,
+an output is set, and a body of the next motion has the same place and shape. That machines or people bring or
+remove a workpiece is taken from the proof unchecked, like everything else about the cell.
 """
 
 from collections.abc import Iterator, Sequence
@@ -29,11 +29,11 @@ Ends = set[tuple[int, bool]]
 
 
 def check_parts(rows: Sequence[Moved], done: Sequence[str], bodies: Sequence[Told], arm: Arm) -> list[str]:
-    """Check all parts; return what isn't checked.
+    """Check that all workpieces stay where they are between motions; return what isn't checked.
 
     Args:
         rows: all commands.
-        done: the actions of the text.
+        done: the actions of the controller text.
         bodies: the proof's bodies.
         arm: the arm.
     """
@@ -60,7 +60,8 @@ def check_parts(rows: Sequence[Moved], done: Sequence[str], bodies: Sequence[Tol
 def follow(done: Sequence[str]) -> set[tuple[int, int, bool]]:
     """Return the pairs of motions that may follow each other, with True if an output is set between both.
 
-    The first motion follows -1. A loop may be repeated: its first motions also follow its last ones.
+    The predecessor of the first motion is -1. A loop may be repeated: its first motions also follow its last
+    ones.
     """
     repeated, known = dict[int, Ends](), -1
     while sum(map(len, repeated.values())) > known:
@@ -87,7 +88,7 @@ def follow(done: Sequence[str]) -> set[tuple[int, int, bool]]:
 def _handed_over(
     rows: Sequence[Moved], before: int, after: int, put: bool, name: str, bodies: Sequence[Told], arm: Arm
 ) -> Iterator[str]:
-    """Check a part between two motions; yield what isn't checked."""
+    """Check that a workpiece or tool stays in place between two motions; yield what isn't checked."""
     there, then = (
         [body for body in bodies if any(first <= step <= last for first, last in body["during"])]
         for step in (before, after)
@@ -117,9 +118,9 @@ def _handed_over(
 
 
 def _apart(one: Told, other: Told, links: Sequence[Frame]) -> int | None:
-    """Return how far two bodies are apart [m]; None if they have another shape.
+    """Return how far the places of two bodies are apart [m]; None if the bodies have different shapes.
 
-    Corners count with what their rounding leaves of `_SAME`.
+    Distances of corners are scaled, to allow for the rounding of the corners.
     """
     if any(one[size] != other[size] for size in ("core", "disc", "radius")):
         return None

@@ -1,4 +1,5 @@
-"""Check the distance of a motion from its programmed path, in order of time, and over the whole path.
+"""Check the distance of a motion from its programmed path, in the right order along the path, and along all
+of it.
 
 For any s(t) that grows from 0 to 1, let e(t) be the difference between the robot's place and the path's place
 at s(t). Its length bounds the distance of both paths. The proof gives s and s' at the ends of equal pieces of
@@ -55,15 +56,15 @@ Each group has a bound of its distance from the path.
 
 @dataclass
 class Piece:
-    """A piece of a segment, of `d` seconds.
+    """A piece of a segment's time, of `d` seconds, with the path parameter s(t) on it.
 
     Attributes:
         d: duration [s].
         s: s at both ends.
         rates: s' at both ends.
         bends: bounds of |s'|, |s''|, |s'''|.
-        segment: the segment.
-        end: the place at its end.
+        segment: number of the segment.
+        end: place at which the piece ends.
     """
 
     d: Fraction
@@ -76,7 +77,9 @@ class Piece:
 
 @dataclass
 class Distance:
-    """A piece with what moves at both ends, its fourth derivatives, and each group's largest distance."""
+    """The state of the frame or joints at both ends of a piece of time, bounds of their fourth derivatives,
+    and the largest distance of each group (such as the frame's origin) from the path.
+    """
 
     piece: Piece
     here: State
@@ -86,7 +89,8 @@ class Distance:
 
 
 class Motion:
-    """A motion of the text in SI units: joint positions and velocities at places, and bounds on segments.
+    """A motion of a controller text in SI units: joint positions and velocities at places, and bounds on
+    segments.
 
     A place is a number of segments since the start of the motion's sequence.
     """
@@ -144,7 +148,7 @@ def _si_above(number: int, time: Fraction, divisor: int, turns: bool) -> int:
 
 
 def cut(begin: Fraction, end: Fraction, pieces: int) -> list[Fraction]:
-    """Return the ends of pieces from one place to another: `pieces` in each segment."""
+    """Return the ends of the pieces of time from one place to another: `pieces` in each segment."""
     need(1 <= pieces <= 64, "a segment has 1 to 64 pieces")
     if begin == end:
         return [end]
@@ -154,7 +158,9 @@ def cut(begin: Fraction, end: Fraction, pieces: int) -> list[Fraction]:
 
 
 def pieces_of(motion: Motion, proof: dict[str, Any]) -> Iterator[Piece]:
-    """Yield the pieces from the place `from` to the place `until`; s never decreases, and stays in [0, 1]."""
+    """Yield the pieces of a motion's time from the place `from` to the place `until` in the proof; refuse an
+    s that decreases or leaves [0, 1].
+    """
     shares, rates = proof["s"], proof["rates"]
     places = cut(*span_of(motion, proof), whole(proof["pieces"]))
     need(
@@ -192,7 +198,9 @@ def span_of(motion: Motion, proof: dict[str, Any]) -> tuple[Fraction, Fraction]:
 
 
 def path_bend(derivatives: Sequence[int], bends: tuple[int, int, int]) -> int:
-    """Return the bound of |P(s(t))''''| from bounds of P's derivatives over s, and of |s'| to |s'''|."""
+    """Return a bound of |P(s(t))''''|, from bounds of the path P's derivatives over s, and of |s'| to
+    |s'''|.
+    """
     second, third, last = derivatives
     w, a, j = bends
     square = times(w, w)
@@ -204,7 +212,9 @@ def path_bend(derivatives: Sequence[int], bends: tuple[int, int, int]) -> int:
 
 
 def farthest(e: Sequence[int], e_rate: Sequence[int], f: Sequence[int], f_rate: Sequence[int], d: int) -> int:
-    """Return the length of the longest Bezier point of the cubic with these values and rates at its ends."""
+    """Return the largest distance from 0 of the Bezier points of the cubic with these values and rates at its
+    ends, which bounds the cubic.
+    """
     inner = [x + (d * v >> BITS) // 3 for x, v in zip(e, e_rate, strict=True)]
     outer = [x - (d * v >> BITS) // 3 for x, v in zip(f, f_rate, strict=True)]
     return max(length(*e), length(*inner), length(*outer), length(*f)) + SLACK
@@ -213,8 +223,8 @@ def farthest(e: Sequence[int], e_rate: Sequence[int], f: Sequence[int], f_rate: 
 class Curve:
     """The curve middle + s way + cos(s angle) spoke + sin(s angle) side, for s from 0 to 1.
 
-    It is a line or an arc of a point, or the columns of a frame that turns about an axis. `bends` are bounds
-    of its derivatives over s of order 2 to 4, and of the jumps of the third.
+    It is a line or an arc of a point, or the columns of a rotation about a fixed axis. `bends` are bounds of
+    its derivatives over s of order 2 to 4, and of the jumps of the third.
     """
 
     def __init__(self, middle: Vector, way: Vector, spoke: Vector, side: Vector, angle: int) -> None:
@@ -223,7 +233,7 @@ class Curve:
         self.bends = [*(times(size, *[angle + 1] * k) for k in (2, 3, 4)), 0]
 
     def at(self, s: int) -> tuple[Vector, Vector]:
-        """Return the place at s, and the derivative over s."""
+        """Return the curve's point at s, and the derivative over s."""
         sine, cosine = sine_and_cosine(s * self.angle >> BITS)
         place = [m + ((s * w + cosine * a + sine * b) >> BITS) for m, w, a, b in self._parts]
         return place, [
@@ -231,7 +241,7 @@ class Curve:
         ]
 
     def leads(self, s: int, meant: Sequence[int], most: int, what: str) -> None:
-        """Refuse a curve that at s is farther away than `most` from where it is meant to be."""
+        """Refuse a curve whose point at s is farther than `most` from where it is meant to be."""
         off = length(*(a - b for a, b in zip(self.at(s)[0], meant, strict=True)))
         need(off < most, f"{what}: it is {off / ONE:.3g} away from where it is to be")
 
@@ -256,7 +266,9 @@ def arc(start: Vector, goal: Vector, told: dict[str, Any], via: Vector) -> Curve
 
 
 def turn(start: list[Vector], goal: list[Vector], axis: Vector, angle: int) -> Curve:
-    """Return the columns of R + sin K R + (1 - cos) K^2 R: a turn about an axis, of at most half a turn."""
+    """Return a frame's rotation about a fixed axis as a curve, by at most half a turn: the columns of R + sin
+    K R + (1 - cos) K^2 R.
+    """
     need(abs(dot(axis, axis) - ONE) < _SAME and 0 <= angle <= PI + _SAME, "a turn without an axis")
     once = [cross(axis, column) for column in start]
     twice = [one for column in once for one in cross(axis, column)]
@@ -267,7 +279,7 @@ def turn(start: list[Vector], goal: list[Vector], axis: Vector, angle: int) -> C
 
 
 class FramePath:
-    """A line or an arc of a frame's origin, with the frame's turn.
+    """A programmed path of a frame: a line or an arc of the frame's origin, with the frame's rotation.
 
     The chord between two rotations is the Frobenius norm of their difference, 2 sqrt 2 sin(angle / 2).
     """
@@ -290,7 +302,7 @@ class FramePath:
 
 
 class Frames:
-    """A frame on the flange, while joints move; `motion` is a `Motion` or has its functions."""
+    """A frame on the flange while the joints move; `motion` is a `Motion` or has the same methods."""
 
     def __init__(self, arm: Arm, tool: Step, motion: Any) -> None:
         self.arm, self.tool, self._motion = arm, tool, motion
@@ -310,13 +322,14 @@ class Frames:
 
 
 def distances(what: Any, path: Any, pieces: Iterable[Piece], here: State) -> Iterator[Distance]:
-    """Yield for each piece a bound of the distance of each group from its path.
+    """Yield for each piece of time a bound of the distance of each group (such as the frame's origin) from
+    its path.
 
     Args:
         what: what moves: `Frames` or `Joints`.
-        path: its path.
+        path: the path.
         pieces: consecutive pieces.
-        here: what moves, at the begin of the first piece.
+        here: state of what moves at the begin of the first piece.
     """
     segment, bends = -1, list[int]()
     for piece in pieces:
@@ -337,7 +350,9 @@ def distances(what: Any, path: Any, pieces: Iterable[Piece], here: State) -> Ite
 
 
 def error(state: State, path: State, rate: int) -> State:
-    """Return the difference between what moves and its path, each group with its rate; s has a `rate`."""
+    """Return the deviation of the frame or joints from their path, for each group of numbers as value and
+    rate. `rate` is the rate of the path parameter s.
+    """
     return [
         (
             [a - b for a, b in zip(at, meant, strict=True)],
@@ -348,7 +363,7 @@ def error(state: State, path: State, rate: int) -> State:
 
 
 def speeds_on(found: Distance) -> tuple[int, int]:
-    """Return bounds of the speed of a frame's origin on a piece, the least and the largest.
+    """Return the least and the largest speed of a frame's origin on a piece of time, as safe bounds.
 
     The velocity is that of the Hermite cubic, a parabola with the Bezier points v, m, w, with an error of at
     most sqrt(3) / 216 d^3 times the fourth derivative. The Bezier points of its squared length bound it.
@@ -366,9 +381,10 @@ def check_speeds(
     title: str,
     held: tuple[bool, bool] = (False, False),
 ) -> str:
-    """Check a ceiling, and that a speed is kept within 0.1 % between its ramps; return what is not checked.
+    """Check that a frame stays below its speed ceiling, and keeps its programmed speed within 0.1 % between
+    the ramps of acceleration; return what is not checked.
 
-    A speed that is `held` at the motion's start, or end, has no ramp there.
+    If `held` is True for the motion's start, or end, the speed is kept there too, without a ramp.
     """
     off = Fraction(1, 1000)
     least, most = min(low for low, _ in speeds), max(high for _, high in speeds)

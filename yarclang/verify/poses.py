@@ -25,7 +25,7 @@ _CHORD = 10
 
 
 class PoseSpline:
-    """The curve of a frame from a start through poses, over the share of its parameter."""
+    """The curve of a frame from a start through poses, over a parameter from 0 to 1."""
 
     def __init__(self, start: Step, told: dict[str, Any], proof: dict[str, Any]) -> None:
         poses = [start, *map(placed, told["poses"]), placed(told["pose"])]

@@ -1,4 +1,4 @@
-"""Read a text for the rotary buffer of a Turbo PMAC.
+"""Read a controller text for the rotary buffer of a Turbo PMAC.
 
 Every line must have the one form allowed in its place.
 """
@@ -46,9 +46,10 @@ _NUMBER = r"(-?[0-9]{1,7}(?:\.[0-9]{1,12})?)"
 
 @dataclass
 class Entry:
-    """A command of the map.
+    """A command of the program, as listed in the comments of the controller text (the map).
 
-    It has move lines (0: none), the number of segments of its blend, and perhaps no jerk limit.
+    The entry has the number of the command's move lines (0: none), the number of segments of its blend, and
+    whether it has a jerk limit.
     """
 
     step: int
@@ -61,12 +62,13 @@ class Entry:
 
 @dataclass
 class Item:
-    """An action of the text.
+    """An action of a controller text.
 
     Attributes:
         kind: run, dwell, put, barrier, or stand (a slow RAPID).
         line: number of the line.
-        what: for a barrier its line of the map, for a dwell its printed time [ms], for a put VARIABLE=VALUE.
+        what: for a barrier its line of the map (the listed commands), for a dwell its printed time [ms], for
+            a put VARIABLE=VALUE.
         step: for a barrier, its step.
         steps: for a run, the segment time [1/4096 ms].
         points: for a run, its points.
@@ -86,7 +88,9 @@ class Item:
 
 @dataclass
 class Text:
-    """A text as it was read: the header, the map, and the actions of the controller."""
+    """A controller text as it was read: the header, the list of the program's commands (the map), and the
+    actions.
+    """
 
     version: str
     robot: str
@@ -105,14 +109,14 @@ class Text:
 
 
 def exactly(printed: str, scale: int = PRINTED) -> int:
-    """Return a printed decimal number in units of 1 / scale, a power of ten with enough digits."""
+    """Return a printed decimal number exactly, in units of 1 / scale, a power of ten with enough digits."""
     whole, _, decimals = printed.partition(".")
     power: int = scale // 10 ** len(decimals)
     return int(whole + decimals) * power
 
 
 class _Reading:
-    """A text, and its next line."""
+    """The lines of a controller text that is read, and the number of the next line."""
 
     def __init__(self, text: str, axes: list[str]) -> None:
         if re.search(r"[^\n\x20-\x7e]", text) or not text.endswith("\n"):
@@ -142,14 +146,14 @@ class _Reading:
         return line
 
     def match(self, form: str) -> re.Match[str]:
-        """Take a line, which must have a form."""
+        """Take the next line, and refuse the text if the line doesn't have a form."""
         found = re.fullmatch(form, self.take())
         if found is None:
             self.refuse(f"another line belongs here ({form[:40]})")
         return found
 
     def expect(self, *lines: str) -> None:
-        """Take lines, which must equal the given ones."""
+        """Take the next lines, and refuse the text if they don't equal the given ones."""
         for line in lines:
             if self.take() != line:
                 self.refuse(f"{line!r} belongs here")
@@ -166,13 +170,13 @@ class _Reading:
 
 
 def read(text: str, axes: list[str], motors: list[int], system: int) -> Text:
-    """Read a whole text.
+    """Read a whole controller text.
 
     Args:
-        text: the text for the controller.
-        axes: letters of its axes.
+        text: the text.
+        axes: letters of the axes.
         motors: motors that are closed before the program is loaded.
-        system: its coordinate system.
+        system: number of the coordinate system.
     """
     reading = _Reading(text, axes)
     said: list[str] = []
@@ -221,7 +225,9 @@ def read(text: str, axes: list[str], motors: list[int], system: int) -> Text:
 def _read_course(
     reading: _Reading, barriers: dict[int, tuple[str, int, str]]
 ) -> tuple[list[Item], list[tuple[int, bool]]]:
-    """Read from the first TM up to CLOSE: the actions, and where the guard is armed (True) and disarmed."""
+    """Read the lines from the first TM up to CLOSE: return the actions, and the lines where the guard (the
+    watchdog against a failing host) is armed (True) and disarmed.
+    """
     course: list[Item] = []
     arms: list[tuple[int, bool]] = []
     waiting = dict(barriers)

@@ -1,4 +1,6 @@
-"""Bodies and zones: the pairs that must stay apart, their margins, and the commands to which this applies."""
+"""The bodies and zones of a proof: the pairs that must stay apart, their margins, and the commands during
+which they must.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -45,7 +47,9 @@ class Body:
         return self.during is None or any(first <= step <= last for first, last in self.during)
 
     def fastest(self, link: Frame) -> int:
-        """Return a bound of the speeds of the body's points, for a link with its rate and spin."""
+        """Return an upper bound of the speeds of the body's points, for the moving frame of the body's
+        joint.
+        """
         most = 0
         signs = product(*((-one, one) if one else (0,) for one in self.core))
         for point in product(signs, self.corners or [[0, 0, 0]]):
@@ -82,10 +86,10 @@ class Border:
 
 @dataclass
 class Pair:
-    """Two bodies, of which fewer joints move the first.
+    """Two bodies that must stay apart. Fewer joints move the first.
 
-    `needs` are the stretches (begin, end, margin) on which they must stay apart, in order, without those that
-    planes have already covered.
+    `needs` are the intervals of segments (begin, end, margin) on which they must stay apart, in order,
+    without those that planes have already covered.
     """
 
     one: int
@@ -93,7 +97,7 @@ class Pair:
     needs: list[tuple[int, int, int]]
 
     def goes_on(self, begin: int, end: int) -> int:
-        """Remove the part of `needs` that a stretch covers; return the largest margin on the stretch."""
+        """Remove the interval that a plane covers from `needs`; return the largest margin on it."""
         over = [one for one in self.needs if begin < one[1] and one[0] < end]
         need(all(begin <= first for first, _, _ in over), "a plane leaves what comes before it uncovered")
         ends = [(end, last, margin) for _, last, margin in over if end < last]
@@ -102,11 +106,11 @@ class Pair:
 
 
 class Room:
-    """The bodies and zones of a proof.
+    """All bodies and zones of a proof.
 
     Attributes:
         bodies: all bodies, moved by joints or fixed.
-        all: the bodies, followed by the regions that zones keep bodies out of.
+        all: the bodies, followed by the regions that bodies must stay out of because of zones.
         watched: pairs of a region and a body that its zone watches.
         left: the zones that are not checked.
     """
@@ -132,7 +136,9 @@ class Room:
                 self.all.append(region)
 
     def margin(self, one: int, other: int, step: int) -> int | None:
-        """Return the margin of two bodies during a command; None if one is absent, or they may touch."""
+        """Return the margin of two bodies during a command; None if one is absent, or if they are allowed
+        to touch.
+        """
         first, second = self.all[one], self.bodies[other]
         if not (first.is_there(step) and second.is_there(step)):
             return None
@@ -145,7 +151,8 @@ class Room:
         return max(first.margin, second.margin)
 
     def pairs(self, steps: Sequence[tuple[int, int, int]]) -> list[Pair]:
-        """Return the pairs of bodies that joints move against each other, then the pairs that zones watch.
+        """Return the pairs of bodies that move relative to each other, then the pairs of a zone's region and
+        a body that the zone watches.
 
         Args:
             steps: commands, with the begin and the end of their segments.
@@ -167,7 +174,8 @@ class Room:
 
 
 def _regions(zone: dict[str, Any], arm: Arm) -> list[Body | Border]:
-    """Return the regions that a zone keeps bodies out of; empty for a zone that is not checked.
+    """Return the regions that bodies must stay out of because of a zone; empty for a zone that is not
+    checked.
 
     Bodies stay out of a slow zone, or pass it slowly. A region to stay in is a box, or the half-space on the
     side of its frame's z axis; bodies must stay out of the regions beyond its faces.

@@ -1,4 +1,4 @@
-"""The verdict about a text: check it by its proof, for the robot that the proof describes."""
+"""The verdict about a controller text: check it by its proof, for the robot that the proof describes."""
 
 import hashlib
 import json
@@ -55,7 +55,7 @@ class Verdict:
     """The result of all checks.
 
     Attributes:
-        refused: reason why the text or its proof is wrong; empty if neither is.
+        refused: reason why the controller text or its proof is wrong; empty if neither is.
         checked: the properties that were checked.
         unchecked: the properties that were not checked.
         told: the proof's description of the robot and the program.
@@ -68,7 +68,7 @@ class Verdict:
 
 
 def verify(text: bytes, proof: bytes) -> Verdict:
-    """Check a text by its proof."""
+    """Check a controller text by its proof."""
     verdict = Verdict()
     try:
         _verify(text, _read_proof(proof), verdict)
@@ -154,7 +154,7 @@ def _verify(text: bytes, proof: dict[str, Any], verdict: Verdict) -> None:
 
 
 def _list_later(lines: list[str], verdict: Verdict) -> None:
-    """List what is planned and proved when the text runs."""
+    """List what is planned and proved only when the controller text runs."""
     kinds = [line.split(" ")[1] for line in lines]
     if "search" in kinds:
         verdict.unchecked.append(
@@ -174,7 +174,9 @@ def _list_later(lines: list[str], verdict: Verdict) -> None:
 
 
 def _list_rules(lines: list[str], bodies: list[dict[str, Any]], verdict: Verdict) -> None:
-    """List what isn't checked because of the map: bodies that it lets touch, and rules (KEEP) of commands."""
+    """List the properties that aren't checked because of the controller text's list of commands (the map):
+    distances of bodies that commands allow to touch, and path constraints (KEEP).
+    """
     known = {name for body in bodies for name in (body["name"].upper(), body["name"].upper().split(" ")[0])}
     found = dict[tuple[str, ...], list[str]]()
     for line in lines:
@@ -200,7 +202,7 @@ def _list_rules(lines: list[str], bodies: list[dict[str, Any]], verdict: Verdict
 def _check_bodies(
     rows: list[Moved], done: list[str], proof: dict[str, Any], arm: Arm, verdict: Verdict
 ) -> None:
-    """Check that bodies stay apart, and list them."""
+    """Check that bodies stay apart, and add the results and the data of the bodies to the verdict."""
     cell = proof["cell"]
     need(set(cell) == {"bodies", "exceptions", "zones"}, "the cell has other fields than a cell's")
     checked, left = check_apart(rows, cell, proof["planes"], arm)
@@ -225,7 +227,7 @@ def _check_bodies(
 
 
 def _check_robot(robot: dict[str, Any], verdict: Verdict) -> None:
-    """Check the form of the robot's numbers, and list them."""
+    """Check the form of the numbers that describe the robot, and add them to the verdict."""
     need(set(robot) == _OF_ROBOT, "the robot has other fields than a robot's")
     size = len(robot["joints"])
     need(0 < size <= 16, "the robot has 1 to 16 joints")

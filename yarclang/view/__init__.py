@@ -1,1 +1,3 @@
-"""Show programs and runs in three dimensions: the contents as plain data, and their display in a browser."""
+"""Show programs and recorded or live runs in three dimensions: the scene as plain data, and its display in a
+browser.
+"""

@@ -1,4 +1,4 @@
-"""Convert the bodies, zones and frames of a robot and its cell to items of a picture."""
+"""Convert the bodies, zones and frames of a robot and its cell to items that a picture shows."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ _PLANE = 2.4
 
 
 def robot_items(robot: Robot) -> tuple[tuple[Item, ...], tuple[str, ...]]:
-    """Return the items of a robot, and notes about shapes that can't be read.
+    """Return the bodies of a robot to draw, and notes about shapes that can't be read.
 
-    The items are the visual shapes of the links, or their collision shapes if there are none, and the mounted
-    tools. If no link has a shape, bars from joint to joint show the arm.
+    The bodies are the visual shapes of the robot's links (or the collision shapes, if there are no visual
+    shapes) and the mounted tools. If no link has a shape, bars from joint to joint show the arm.
     """
     visuals: dict[str, list[Item]] = {}
     spoilt: set[str] = set()
@@ -73,10 +73,10 @@ def robot_items(robot: Robot) -> tuple[tuple[Item, ...], tuple[str, ...]]:
 
 
 def collision_items(robot: Robot) -> tuple[Item, ...]:
-    """Return the collision shapes of links that also have visual shapes.
+    """Return the collision shapes of the robot links that also have visual shapes.
 
-    The checks use the collision shapes, although the visual shapes are shown. Shapes that can't be read are
-    left out.
+    For these links the picture shows the visual shapes, although the collision checks use the collision
+    shapes. Shapes that can't be read are left out.
     """
     seen = {one.link for one in visual_shapes(robot)}
     found = []
@@ -89,11 +89,11 @@ def collision_items(robot: Robot) -> tuple[Item, ...]:
 
 
 def shapes_beside(robot: Robot, items: Iterable[Item]) -> tuple[Item, ...]:
-    """Return the transparent collision shapes of links that are shown by their visual shapes.
+    """Return transparent collision shapes of the robot links that the picture shows by their visual shapes.
 
     Args:
         robot: the robot.
-        items: the shown items; links that aren't among them are left out.
+        items: the bodies in the picture; links that aren't among them are left out.
     """
     shown = {item.name for item in items if item.kind == "robot"}
     return tuple(
@@ -102,9 +102,9 @@ def shapes_beside(robot: Robot, items: Iterable[Item]) -> tuple[Item, ...]:
 
 
 def cell_items(robot: Robot, cell: Cell) -> tuple[tuple[Item, ...], tuple[str, ...]]:
-    """Return the items of a cell, and notes about parts of it that can't be shown.
+    """Return the bodies and zones of a robot cell to draw, and notes about what can't be drawn.
 
-    The items are the obstacles, the attached tools, and the borders of zones.
+    They are the obstacles, the attached tools, and the borders of zones.
     """
     items: list[Item] = []
     notes: list[str] = []
@@ -131,7 +131,7 @@ def cell_items(robot: Robot, cell: Cell) -> tuple[tuple[Item, ...], tuple[str, .
 
 
 def rule_note(zone: Zone) -> str:
-    """Return the note about a rule in a picture that shows no rules of directions."""
+    """Return the note that a path constraint (KEEP rule) about directions isn't drawn."""
     return f"the rule {zone.name} is about directions, which have no place to be shown"
 
 
@@ -153,7 +153,7 @@ def _border(zone: Zone) -> tuple[Array, Solid] | None:
 def axes_of(
     robot: Robot, program: Program | None, cell: Cell | None, followed: str
 ) -> tuple[tuple[Axes, ...], tuple[str, ...]]:
-    """Return the frames to show, and a note about frames that are left out.
+    """Return the coordinate frames to draw, and a note about frames that are left out.
 
     The frames are {B}, the robot's frames on its flange, the cell's frames, and the frames that commands use.
 
@@ -161,7 +161,7 @@ def axes_of(
         robot: robot with the frames on its flange.
         program: program whose commands use frames; None without one.
         cell: cell with frames; None without one.
-        followed: name of the frame whose path is shown.
+        followed: name of the frame whose path is drawn.
     """
     used = tuple(_used(robot, program)) if program is not None else ()
     matter = {"B", followed, *(one.name for one in used)}
@@ -191,7 +191,7 @@ def axes_of(
 
 
 def _used(robot: Robot, program: Program) -> Iterable[Axes]:
-    """Yield the frames that commands name, and the frames in which they are given in turn."""
+    """Yield the frames that commands name, and the parents of these frames."""
     done: set[int] = set()
     for step in program.steps:
         if isinstance(step, Gap):
@@ -209,7 +209,7 @@ def _used(robot: Robot, program: Program) -> Iterable[Axes]:
 
 
 def _rooted(link: FrameLink) -> tuple[str, Array]:
-    """Return the root of a frame's chain of parents, and the frame's pose in this root."""
+    """Return the root ({B} or {FLANGE}) of a frame's chain of parents, and the frame's pose in this root."""
     pose = link.parent_from_frame
     while link.parent is not None and link.parent.parent is not None:
         link = link.parent
@@ -224,7 +224,7 @@ def _on_flange(robot: Robot, name: str, flange_from_frame: Array, of_program: bo
 
 
 def _link_colour(joint: int) -> Colour:
-    """Return one of two tones in turn, so that neighbouring links differ in colour."""
+    """Return the colour of a robot link. Two colours alternate, so that neighbouring links differ."""
     return colours.LINK if joint % 2 == 0 else colours.JOINT_BODY
 
 

@@ -1,5 +1,5 @@
-"""Choose the first view of a stage: near, from above, and from the side with the fewest obstacles between the
-eye and the robot.
+"""Choose the camera's first view of a scene: near, from above, and from the side with the fewest obstacles
+between the camera and the robot.
 """
 
 from __future__ import annotations
@@ -18,18 +18,21 @@ _MOST_POINTS, _MOST_TRIANGLES = 150, 4_000
 
 
 def shown_box(stage: Stage, *, whole: bool) -> tuple[Array, Array]:
-    """Return the smallest and largest coordinates (3,) [m] of the robot at its start and its path.
+    """Return the corners of the box around the robot at its start and its path, as smallest and largest
+    coordinates (3,) [m].
 
     Args:
-        stage: the stage.
-        whole: True to include the surroundings.
+        stage: the scene that is drawn.
+        whole: True to include the obstacles.
     """
     points = np.concatenate([stage.way.points, np.zeros((1, 3)), *_corners(stage, around=whole)])
     return points.min(axis=0), points.max(axis=0)
 
 
 def first_view(stage: Stage) -> tuple[Array, Array]:
-    """Return the position of the eye, and the point at which it looks, (3,) each [m]."""
+    """Return the camera's position, and the point at which it looks, (3,) each [m], for the first view of
+    a scene.
+    """
     low, high = shown_box(stage, whole=False)
     middle = (low + high) / 2.0
     away = 0.3 + 1.05 * float(np.linalg.norm(high - low))
@@ -48,12 +51,12 @@ def first_view(stage: Stage) -> tuple[Array, Array]:
 
 
 def hidden(eye: Array, points: Array, triangles: Array) -> int:
-    """Return the number of points that triangles hide from an eye (Moeller and Trumbore, 1997).
+    """Return the number of points that triangles hide from the camera (Moeller and Trumbore, 1997).
 
     Args:
-        eye: (3,) [m].
+        eye: (3,) position of the camera [m].
         points: (P, 3) [m].
-        triangles: (T, 3, 3) [m].
+        triangles: (T, 3, 3) corners of the triangles [m].
     """
     rays = points - eye
     a, b = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
@@ -70,7 +73,7 @@ def hidden(eye: Array, points: Array, triangles: Array) -> int:
 
 
 def _corners(stage: Stage, *, around: bool) -> list[Array]:
-    """Return the corners of the robot's bodies at the start; with `around` also those of obstacles."""
+    """Return the vertices of the robot's bodies at the start; with `around` also those of the obstacles."""
     moved = moved_by(stage.robot.chain, stage.track.at(np.zeros(1))[0][0])
     found = []
     for item in stage.items:

@@ -1,4 +1,4 @@
-"""Compute distances of the bodies of a stage over time."""
+"""Compute distances of the bodies of a scene over time."""
 
 from __future__ import annotations
 
@@ -10,7 +10,9 @@ from yarclang.view.stage import Stage
 
 
 def apart_over(stage: Stage, times: Array) -> Array:
-    """Return the smallest distance (N,) of the bodies of a stage at times (N,) [s], at most `SEEN` [m]."""
+    """Return the smallest distance (N,) [m] between the bodies of a scene at times (N,) [s]. Distances above
+    `SEEN` count as `SEEN`.
+    """
     found = np.full(len(times), SEEN)
     q = stage.track.at(times)[0]
     for scene, rows in stage.scenes_over(times):

@@ -37,7 +37,7 @@ RAMPS: dict[str, tuple[Colour, ...]] = {
 
 
 def coloured(values: Array, most: float, ramp: str) -> NDArray[np.uint8]:
-    """Return the colours (N, 3) of values.
+    """Return the colour (N, 3) of each value on a colour scale.
 
     Args:
         values: (N,) from 0 to `most`; larger values get the last colour.
@@ -51,9 +51,10 @@ def coloured(values: Array, most: float, ramp: str) -> NDArray[np.uint8]:
 
 
 def linear(shades: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Convert sRGB colours to linear intensities of light, by IEC 61966-2-1.
+    """Convert sRGB colours to linear light intensities by IEC 61966-2-1.
 
-    viser expects the colours of points as linear intensities, but those of whole nodes as sRGB.
+    viser expects linear intensities for the colours of single points, but sRGB for the colour of a whole
+    node.
     """
     share = shades / 255.0
     light = np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)

@@ -1,8 +1,8 @@
-"""Draw curves over time beside the picture, as SVG: joints in their ranges, joint speeds, and the frame's
-speed.
+"""Draw curves over time beside the picture, as SVG: joint positions within their ranges, joint speeds, and
+the speed of the frame whose path is drawn.
 
-The marker of the current instant is placed by a style in a separate node, so that only few bytes are sent
-while time runs.
+A vertical marker shows the current instant. Its position is set by a style in a separate node, so that only
+a few bytes are sent while time runs.
 """
 
 from __future__ import annotations
@@ -33,14 +33,14 @@ _DASHES = {"-": "", "--": ' stroke-dasharray="6 3"', ":": ' stroke-dasharray="2 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Curve:
-    """Lines over time.
+    """A diagram with several curves over time.
 
     Attributes:
-        title: text above them.
-        values: (N, k).
+        title: text above the diagram.
+        values: (N, k) value of each curve at each time.
         low: smallest value of the scale.
         high: largest value of the scale.
-        names: (k,) names of the lines.
+        names: (k,) names of the curves.
     """
 
     title: str
@@ -51,7 +51,7 @@ class Curve:
 
 
 def curves_of(stage: Stage) -> tuple[Curve, ...]:
-    """Return the curves of a stage; empty for a stage without time."""
+    """Return the diagrams of a scene over time; empty for a scene without time."""
     if stage.duration <= 0.0:
         return ()
     times = np.linspace(0.0, stage.duration, _SAMPLES)
@@ -80,7 +80,9 @@ def curves_of(stage: Stage) -> tuple[Curve, ...]:
 
 
 def curves_html(curves: tuple[Curve, ...]) -> str:
-    """Return the pictures of curves, one below the other, and the marker over all of them."""
+    """Return diagrams as HTML, one below the other, with the marker of the current instant over all of
+    them.
+    """
     marker = (
         '<div style="position:absolute;top:0;bottom:0;left:10px;right:10px;pointer-events:none">'
         '<div data-marker style="position:absolute;top:0;bottom:0;width:1px;background:#d62828;'
@@ -113,7 +115,7 @@ def _picture(curve: Curve) -> str:
 
 
 def key_html(curves: tuple[Curve, ...]) -> str:
-    """Return the colours of the joints; empty if there are no curves."""
+    """Return the colour key of the joints as HTML; empty if there are no diagrams."""
     names = curves[0].names if curves else ()
     swatches = (
         f'<span style="white-space:nowrap;margin-right:8px"><b style="color:{joint_style(number)[0]}">—</b> '
@@ -124,7 +126,7 @@ def key_html(curves: tuple[Curve, ...]) -> str:
 
 
 def instant_html(share: float) -> str:
-    """Return the style that places the marker.
+    """Return the CSS style that places the marker of the current instant in the diagrams.
 
     Args:
         share: share of the time that has passed, from 0 to 1.

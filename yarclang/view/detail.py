@@ -28,12 +28,12 @@ _BLOCK = 512
 
 @frozen(eq=False)
 class Drawn:
-    """The drawn lines of a path.
+    """The line segments that are drawn for a path.
 
     Attributes:
-        first: (L,) points at which the lines begin.
-        second: (L,) points at which the lines end.
-        off: largest distance of the lines from the path [m].
+        first: (L,) numbers of the path points at which the segments begin.
+        second: (L,) numbers of the path points at which the segments end.
+        off: largest distance of the segments from the path [m].
     """
 
     first: Rows
@@ -42,16 +42,17 @@ class Drawn:
 
 
 def drawn_lines(way: Way, values: Array | None = None, most: float = 1.0, lines: int = MOST_LINES) -> Drawn:
-    """Choose the lines to draw for a path.
+    """Choose the line segments to draw for a path, so that few segments approximate its many points.
 
     Args:
         way: the path.
-        values: (N,) values that colour its points; None for a single colour.
+        values: (N,) values that colour the path's points; None for a single colour.
         most: value at the end of the colour scale.
-        lines: largest number of lines. If a path has more separate stretches, each stretch has one line.
+        lines: largest number of segments. If the path has more separate sections, each section has one
+            segment.
 
     Returns:
-        Lines in the order of the path.
+        Segments in the order of the path.
     """
     begins, ends = _runs(way)
     shades = np.zeros(len(way.points)) if values is None else np.clip(values / max(most, 1e-12), 0.0, 1.0)
@@ -70,16 +71,16 @@ _COARSEST = 4_096.0
 
 
 def exact_lines(way: Way) -> Rows:
-    """Return the points (L,) that are connected to the next point by a line."""
+    """Return the numbers (L,) of the path points that are connected to the next point by a line."""
     first = np.arange(max(len(way.points) - 1, 0))
     kept: Rows = first[~np.isin(first + 1, way.breaks)]
     return kept
 
 
 def _runs(way: Way) -> tuple[Rows, Rows]:
-    """Return the first and last points of the connected stretches of a path.
+    """Return the numbers of the first and of the last point of each connected section of a path.
 
-    A stretch that begins where the previous one ends continues it.
+    Sections of the path that touch (one begins where the previous one ends) count as one.
     """
     inner = way.breaks[1:-1]
     apart = np.abs(way.points[inner] - way.points[inner - 1]).max(axis=1, initial=0.0) > _TOGETHER
@@ -90,15 +91,15 @@ def _runs(way: Way) -> tuple[Rows, Rows]:
 def _kept(
     points: Array, shades: Array, begins: Rows, ends: Rows, off: float, shade: float
 ) -> NDArray[np.bool_]:
-    """Return a mask (N,) of the points to keep.
+    """Return a mask (N,) of the path points between which line segments are drawn.
 
     Args:
-        points: (N, 3) [m].
-        shades: (N,) colours, from 0 to 1.
-        begins: first points of the stretches.
-        ends: last points of the stretches.
-        off: largest distance of straight lines between kept points from the path [m].
-        shade: largest difference in colour.
+        points: (N, 3) points of the path [m].
+        shades: (N,) colours of the points, from 0 to 1.
+        begins: first points of the path's connected sections.
+        ends: last points of these sections.
+        off: largest allowed distance of the segments from the path [m].
+        shade: largest allowed difference in colour between a segment and the path.
     """
     kept = np.zeros(len(points), dtype=np.bool_)
     kept[begins] = kept[ends] = True
@@ -133,14 +134,15 @@ def _kept(
 def _wrong(
     points: Array, shades: Array, first: Rows, second: Rows, inside: Rows, off: float, shade: float
 ) -> Array:
-    """Return the deviations (M,) of points from lines, in position or colour, as multiples of the tolerances.
+    """Return how far path points are from line segments that replace the path, in position or colour, as
+    multiples (M,) of the tolerances.
 
     Args:
         points: (N, 3) points of the path [m].
-        shades: (N,) their colours, from 0 to 1.
-        first: (M,) points at which the lines begin.
-        second: (M,) points at which the lines end.
-        inside: (M,) points to compare with the lines.
+        shades: (N,) colours of these points, from 0 to 1.
+        first: (M,) numbers of the points at which the segments begin.
+        second: (M,) numbers of the points at which the segments end.
+        inside: (M,) numbers of the points to compare with the segments.
         off: tolerance of the distance [m].
         shade: tolerance of the colour.
     """

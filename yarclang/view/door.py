@@ -18,7 +18,7 @@ _ALL = {"0.0.0.0", "::"}
 
 @dataclass(frozen=True, slots=True)
 class Door:
-    """The address at which a picture is served.
+    """The network address at which the picture is served.
 
     Attributes:
         host: address to listen on, or its name.
@@ -41,7 +41,7 @@ class PortTakenError(Exception):
 
 @contextlib.contextmanager
 def opened(door: Door) -> Iterator[viser.ViserServer]:
-    """Yield a server that listens during the context. Port 0 means any free port.
+    """Yield a picture server that listens while the context is open. Port 0 means any free port.
 
     Raises:
         PortTakenError: the port is in use, or the address doesn't belong to this machine.

@@ -1,4 +1,4 @@
-"""Frames that users can drag in the picture, and the lines that declare them at their new places."""
+"""Frames that users can drag in the picture, and the program lines that would declare the dragged frames."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ _DIGITS = (4, 5)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Draggable:
-    """A frame that a file declares, or a new one.
+    """A frame that users can drag: one that a file declares, or a new one.
 
     Attributes:
         name: name without braces.
-        parent: name of the frame in which its line gives it.
-        joint: number of joints that move it.
+        parent: name of the frame in which the declaration gives the pose.
+        joint: number of joints that move the frame.
         base_from_parent: (4, 4) pose of the parent with all joints at zero.
         parent_from_frame: (4, 4) pose as declared.
-        source: file that declares it; empty for a new frame.
-        line: its line in this file; 0 for a new frame.
+        source: file that declares the frame; empty for a new frame.
+        line: line of the declaration in this file; 0 for a new frame.
     """
 
     name: str
@@ -45,7 +45,7 @@ class Draggable:
 
     @property
     def base_from_frame(self) -> Array:
-        """Return its place as declared (4, 4), with all joints at zero."""
+        """Return the frame's declared pose (4, 4) in {B}, with all joints at zero."""
         placed: Array = self.base_from_parent @ self.parent_from_frame
         return placed
 
@@ -55,7 +55,7 @@ class Draggable:
         return self.source.endswith(".toml")
 
     def moved_to(self, position: Array, wxyz: Array) -> Array:
-        """Return parent_from_frame (4, 4) at a place with all joints at zero.
+        """Return parent_from_frame (4, 4) of the frame after a drag to a pose, given with all joints at zero.
 
         Args:
             position: (3,) [m].
@@ -68,7 +68,9 @@ class Draggable:
         return moved
 
     def declaration(self, parent_from_frame: Array) -> str:
-        """Return the line that declares the frame at a pose in its parent, or its table in a cell.toml."""
+        """Return the text that declares the frame at a new pose in its parent: a program line, or a table of
+        a cell.toml.
+        """
         values = pose_values(parent_from_frame)
         numbers = [_number(value, _DIGITS[place >= 3]) for place, value in enumerate(values.tolist())]
         if not self.in_cell:
@@ -84,15 +86,16 @@ class Draggable:
 
 
 def draggables_of(robot: Robot, program: Program, base_from_new: Array) -> tuple[Draggable, ...]:
-    """Return the frames that the commands of a program use and a file declares, and a new frame in {B}.
+    """Return the frames that users can drag: those that a program's commands use and a file declares, and a
+    new frame in {B}.
 
-    If a frame's line is carried out with different results, as in a loop, the frame is left out: a single
-    line couldn't declare its new place.
+    If the line of a frame is executed several times with different poses, as in a loop, the frame is left
+    out: no single line could declare its new pose.
 
     Args:
         robot: the robot.
         program: the program.
-        base_from_new: (4, 4) place of the new frame.
+        base_from_new: (4, 4) pose of the new frame.
     """
     found: dict[tuple[str, str, int], Draggable | None] = {}
     for link, parent, source, line in _declared(program):
@@ -112,7 +115,9 @@ def draggables_of(robot: Robot, program: Program, base_from_new: Array) -> tuple
 
 
 def _declared(program: Program) -> Iterable[tuple[FrameLink, FrameLink, SourceFile, int]]:
-    """Yield the frames of all commands that a file declares, each with its parent, file and line."""
+    """Yield the frames that a program's commands use and a file declares, each with its parent, file and
+    line.
+    """
     done: set[int] = set()
     for step in program.steps:
         if isinstance(step, Gap):

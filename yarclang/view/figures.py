@@ -1,5 +1,5 @@
-"""Format the texts beside the picture as HTML: figures of an instant, of a command and of a finding, and the
-legend.
+"""Format the texts beside the picture as HTML: the robot's state at an instant, the facts of a command and of
+a finding, and the colour legend.
 """
 
 from __future__ import annotations
@@ -36,13 +36,13 @@ tabs fit on one line.
 
 
 def instant_html(stage: Stage, time: float, nearest: str | None) -> str:
-    """Return the robot's state at a time: its joints, and the pose in {B} and the speed of the followed
-    frame.
+    """Return the robot's state at a time as HTML: the joints, and the pose in {B} and the speed of the frame
+    whose path is drawn.
 
     Args:
-        stage: the stage.
+        stage: the scene that is drawn.
         time: [s].
-        nearest: text about the nearest bodies; None for none.
+        nearest: text about the bodies that are nearest to each other; None for none.
     """
     times = np.array([time])
     q, v = stage.track.at(times)
@@ -64,7 +64,9 @@ def instant_html(stage: Stage, time: float, nearest: str | None) -> str:
 
 
 def stand_rows(stage: Stage, q: Array) -> list[tuple[str, str]]:
-    """Return the joints at joint positions (n,) [rad or m], and the followed frame's pose in {B}."""
+    """Return table rows with joint positions (n,) [rad or m], and with the pose in {B} of the frame whose
+    path is drawn.
+    """
     robot = stage.robot
     joints = _values(
         zip(robot.joint_names, (q / robot.axis_units).tolist(), robot.axis_unit_names, strict=True)
@@ -73,7 +75,9 @@ def stand_rows(stage: Stage, q: Array) -> list[tuple[str, str]]:
 
 
 def rule_rows(stage: Stage, time: float, q: Array) -> list[tuple[str, str]]:
-    """Return the rules that hold at a time [s], with their angles and distances at joint positions (n,)."""
+    """Return table rows with the path constraints (KEEP rules) in force at a time [s], and their angles and
+    distances at joint positions (n,).
+    """
     holds = stage.rules.at(time)
     rows = []
     for number in holds[:MOST_SHOWN]:
@@ -102,7 +106,7 @@ def _values(named: Iterable[tuple[str, float, str]]) -> str:
 
 
 def near_text(scene: Scene | None, found: Near) -> str:
-    """Return the distance of the nearest two bodies at one position."""
+    """Return a text with the distance of the two nearest bodies at the current joint positions."""
     pair = int(found.pair[0])
     if scene is None or pair < 0:
         return f"over {SEEN / MM:.0f} mm"
@@ -111,7 +115,7 @@ def near_text(scene: Scene | None, found: Near) -> str:
 
 
 def piece_html(piece: Piece) -> str:
-    """Return the facts of a command."""
+    """Return the facts of a command as HTML."""
     when = (
         f"{piece.begins:.3f} to {piece.ends:.3f} s" if piece.ends > piece.begins else f"{piece.begins:.3f} s"
     )
@@ -121,17 +125,17 @@ def piece_html(piece: Piece) -> str:
 
 
 def plain_html(text: str) -> str:
-    """Return a line; empty for an empty text."""
+    """Return a text as a line of HTML; empty for an empty text."""
     return _BLOCK.format(escape(text)) if text else ""
 
 
 def word_html(text: str, severity: Severity) -> str:
-    """Return a line in the colour of findings."""
+    """Return a text as a line of HTML in the colour of findings."""
     return _BLOCK.format(f'<b style="color:{_css(colours.SEVERITIES[severity])}">{escape(text)}</b>')
 
 
 def mark_html(mark: Mark) -> str:
-    """Return a finding with its remedy."""
+    """Return a finding with its remedy as HTML."""
     colour = _css(colours.SEVERITIES[mark.severity])
     code = f"{escape(mark.severity)} {escape(mark.code)}" if mark.code else escape(mark.severity)
     text = f'<b style="color:{colour}" data-mark="{escape(mark.code)}">{code}</b>: {escape(mark.text)}'
@@ -140,7 +144,9 @@ def mark_html(mark: Mark) -> str:
 
 
 def legend_html(ramp: str, most: float, unit: str, what: str, *, is_capped: bool = False) -> str:
-    """Return a colour ramp with the values at its ends. With `is_capped`, values may exceed the upper end."""
+    """Return a colour ramp as HTML, with the values at its ends. With `is_capped`, values may exceed the
+    upper end.
+    """
     anchors = colours.RAMPS[ramp]
     stops = ", ".join(f"{_css(one)} {100.0 * at / (len(anchors) - 1):.0f}%" for at, one in enumerate(anchors))
     bar = f'<div style="height:12px;border-radius:3px;background:linear-gradient(90deg, {stops})"></div>'
@@ -152,13 +158,15 @@ def legend_html(ramp: str, most: float, unit: str, what: str, *, is_capped: bool
 
 
 def notes_html(stage: Stage) -> str:
-    """Return what the picture shows and what it leaves out."""
+    """Return notes about the picture's contents, and about what it leaves out, as HTML."""
     notes = "".join(f"<br>{escape(note)}" for note in stage.notes)
     return _BLOCK.format(f"<b>{escape(stage.title)}</b><br>{escape(stage.subtitle)}{notes}")
 
 
 def robots_html(stage: Stage) -> str:
-    """Return a text that distinguishes the two robots of a run; empty for other stages."""
+    """Return a text that distinguishes the actual and the planned robot in the picture of a run; empty for
+    other scenes.
+    """
     if stage.ghost is None:
         return ""
     planned = "planned robot (seen through) and planned path (thin)"
@@ -167,7 +175,7 @@ def robots_html(stage: Stage) -> str:
 
 
 def key_html(stage: Stage) -> str:
-    """Return the meaning of the other colours."""
+    """Return the meaning of the colours besides those of the path, as HTML."""
     kinds = {item.kind for item in stage.items}
     entries: list[tuple[Colour, str]] = []
     if stage.ghost is not None:
@@ -195,7 +203,7 @@ def _swatch(colour: Colour, text: str) -> str:
 
 
 def rows_html(rows: Iterable[tuple[str, str]]) -> str:
-    """Return a table of names and values."""
+    """Return names and values as a table of HTML."""
     cells = (
         (
             "<tr><td "

@@ -1,7 +1,7 @@
-"""Place labels such that none covers another.
+"""Place the labels of the picture such that none covers another.
 
-Places that are close together share a label. Findings have labels only if they belong to the current command
-or its neighbours. Labels that would cover others in the first view are raised.
+Labels of places that are close together are joined. Findings have labels only if they belong to the current
+command or its neighbours. A label that would cover another one in the first view is raised.
 """
 
 from __future__ import annotations
@@ -36,13 +36,13 @@ Anchor = Literal["bottom-center", "bottom-left", "top-left"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Label:
-    """A text at a fixed place.
+    """A text at a fixed point of the scene.
 
     Attributes:
         text: the text.
-        place: (3,) [m].
+        place: (3,) the point [m].
         scale: size relative to the usual one.
-        anchor: the point of the label that is at the place.
+        anchor: which corner or side of the label lies at the point.
     """
 
     text: str
@@ -52,12 +52,12 @@ class Label:
 
 
 def raised(labels: Sequence[Label], eye: Array, middle: Array) -> list[float]:
-    """Return the heights [m] by which labels are raised, so that each is clear of those before it.
+    """Return the heights [m] by which labels must be raised, so that each is clear of the labels before it.
 
     Args:
         labels: the labels.
-        eye: (3,) the point from which they are seen [m].
-        middle: (3,) the point at which the eye looks [m].
+        eye: (3,) position of the camera [m].
+        middle: (3,) the point at which the camera looks [m].
     """
     ahead = (middle - eye) / np.linalg.norm(middle - eye)
     right = np.cross(ahead, [0.0, 0.0, 1.0])
@@ -96,9 +96,9 @@ def _meets(box: Array, taken: Array) -> bool:
 
 
 def spots(places: Array, apart: float) -> list[list[int]]:
-    """Group places (N, 3) that are close to each other.
+    """Group points (N, 3) that are close to each other.
 
-    A place belongs to the first group whose first place is nearer than `apart` [m]. If there is none, it
+    A point belongs to the first group whose first point is nearer than `apart` [m]. If there is none, it
     begins a new group.
     """
     found: list[list[int]] = []
@@ -113,9 +113,9 @@ def spots(places: Array, apart: float) -> list[list[int]]:
 
 
 def labelled(marks: Sequence[Mark], piece: int) -> frozenset[int]:
-    """Return the findings that have labels during a command.
+    """Return the findings that have labels in the picture while a command is shown.
 
-    These are the findings of the command and of its two neighbours (for -1, of all commands), and the
+    These are the findings of the command and of its two neighbours (for command -1, of all commands), and the
     findings that belong to no command.
     """
     near = [

@@ -1,5 +1,5 @@
-"""Write the fixed labels of a picture in viser: names of bodies and frames, and findings of the current
-command.
+"""Write the labels at fixed points of the picture in viser: names of bodies and frames, and findings of the
+current command.
 """
 
 from __future__ import annotations
@@ -33,11 +33,11 @@ class Lettering:
         self._given.append((label, groups))
 
     def give_marks(self, numbers: list[int], place: Array) -> None:
-        """Add the label of the findings at one spot."""
+        """Add the label of the findings at one point of the scene."""
         self._findings.append((Label(self._said(numbers), place, 0.8, "bottom-left"), numbers))
 
     def write(self, eye: Array, middle: Array) -> None:
-        """Write all labels for an eye (3,) that looks at the middle (3,) [m]."""
+        """Write all labels for a camera at `eye` (3,) that looks at `middle` (3,) [m]."""
         # Findings keep their places, and the other labels are moved.
         labels = [*(label for label, _ in self._findings), *(label for label, _ in self._given)]
         nodes = []
@@ -60,7 +60,7 @@ class Lettering:
         self._label()
 
     def follow(self, piece: int) -> None:
-        """Show the findings of a command and of its neighbours; -1 for all."""
+        """Show the labels of the findings of a command and of its neighbours; -1 for all commands."""
         if piece != self._piece:
             self._piece = piece
             self._label()

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 @dataclass(slots=True)
 class Listing:
-    """A list of which one page is shown.
+    """A long list, shown page by page and filtered by a word.
 
     Attributes:
         rows: all rows.
@@ -35,7 +35,7 @@ class Listing:
 
     @property
     def shown(self) -> list[int]:
-        """Return the numbers of the rows on the page."""
+        """Return the numbers of the rows on the current page."""
         first = self.page * self.size
         return self.chosen[first : first + self.size]
 

@@ -1,7 +1,7 @@
 """Show a running robot in a browser.
 
-The messages of its coordinator are drawn 20 times a second, and users can set inputs. While the robot isn't
-served, the page waits for it.
+The picture follows the messages of the robot's coordinator (the server process that runs its programs), 20
+times a second. Users can set inputs. While no coordinator serves the robot, the page waits for one.
 """
 
 from __future__ import annotations
@@ -37,29 +37,32 @@ def show_live(whose: Whose, door: Door, ready: Callable[[Door, str], None]) -> N
     """Serve the picture of a running robot until it is interrupted (KeyboardInterrupt).
 
     Args:
-        whose: the robot.
+        whose: which robot to show.
         door: address at which the picture is served; port 0 means any free port.
         ready: called with the actual address and the name of the run when both exist.
 
     Raises:
-        Trouble: the robot isn't served, or its files can't be read.
+        Trouble: no coordinator serves the robot, or the robot's files can't be read.
         PortTakenError: the port is in use, or the address doesn't belong to this machine.
     """
     asyncio.run(_show(whose, door, ready))
 
 
 class _Link:
-    """A connection to a coordinator: a client that only watches, and the first messages that it received."""
+    """A connection to a coordinator as a client that only watches, and the first messages that it
+    received.
+    """
 
     def __init__(self, run: Run, there: There, around: Surroundings, place: Place) -> None:
         self.run, self.there, self.around, self.place = run, there, around, place
 
     @classmethod
     async def attach(cls, run: Run) -> _Link:
-        """Connect as a client that only watches.
+        """Connect to the coordinator of a run as a client that only watches.
 
         Raises:
-            Trouble: the coordinator isn't there or has another version, or its files can't be read.
+            Trouble: the coordinator can't be reached or has another version, or the robot's files can't be
+                read.
         """
         there = await There.attach(run.path, "view")
         try:
@@ -115,7 +118,7 @@ async def _show(whose: Whose, door: Door, ready: Callable[[Door, str], None]) ->
 
 
 async def _again(whose: Whose, before: Run, page: LivePage, given: asyncio.Queue[Order]) -> _Link:
-    """Wait until the robot is served again."""
+    """Wait until a coordinator serves the robot again."""
     while True:
         try:
             return await _Link.attach(await asyncio.to_thread(whose.again, before))
@@ -137,7 +140,7 @@ class _Watch:
         self._live = Live(link.place.robot, self._there.welcome.status)
 
     async def watch(self) -> None:
-        """Draw all events until the connection ends.
+        """Draw all events of the running robot until the connection ends.
 
         Raises:
             Trouble: the connection has ended. The message has the reason.
@@ -180,9 +183,9 @@ class _Watch:
             await asyncio.sleep(each)
 
     async def _look_for_parts(self, around: Surroundings) -> None:
-        """Request the places of the parts when nothing is running any more.
+        """Request the places of the workpieces from the coordinator once no program runs any more.
 
-        Before that, the coordinator doesn't know about the parts that the running program moves.
+        Until then, the coordinator doesn't know where the running program has moved them.
         """
         parts, is_busy = self._live.parts, self._live.is_under_way
         if parts is None or (is_busy and parts is self._parts) or around.cell is None:

@@ -1,5 +1,5 @@
-"""The page of a running robot: picture and panel, to which only changes are sent. It has no clock of its
-own.
+"""The page of a running robot: the picture and the panel beside it. Only changes are sent to the browser.
+This module reads no clock.
 """
 
 from __future__ import annotations
@@ -34,11 +34,11 @@ _TEXT_EACH = 5
 
 
 class LivePage:
-    """The page of a running robot.
+    """The page of a running robot: the picture and the panel beside it.
 
     Args:
-        server: server of the page.
-        give: called with the orders of users.
+        server: web server of the page.
+        give: function that is called with each order of a user, such as a click.
     """
 
     _stage: Stage
@@ -88,7 +88,7 @@ class LivePage:
             self._panel.show_around(self._around)
 
     def show_around(self, around: Surroundings) -> None:
-        """Show inputs and outputs."""
+        """Show the current inputs and outputs of the robot."""
         self._around = around
         self._panel.show_around(around)
 
@@ -96,7 +96,7 @@ class LivePage:
         """Draw the changes since the last call.
 
         Args:
-            lost: reason why the current state isn't known; empty if it is known.
+            lost: reason why the robot's current state isn't known; empty if it is known.
         """
         live = self._live
         assert live is not None  # a robot is attached before anything is drawn
@@ -119,11 +119,13 @@ class LivePage:
             self._picture.colour_bodies(touching(self._stage.scene, stands))
 
     def lose(self, why: str) -> None:
-        """Report that the robot isn't served, and draw it grey."""
+        """Report that no coordinator serves the robot, and draw the robot grey."""
         self._show_lost(why)
 
     def take(self, order: Order) -> None:
-        """Carry out an order about the picture. Inputs of a robot that isn't served stay unchanged."""
+        """Carry out a user's order about the picture. An order to set an input is ignored if no coordinator
+        serves the robot.
+        """
         if order.kind == "group":
             self._picture.show_group(order.value, order.more)
         elif order.kind == "input" and self._around is not None:

@@ -1,5 +1,5 @@
-"""The controls beside a running robot: state, inputs that can be set, outputs. Clicks become orders; nothing
-is drawn here.
+"""The controls beside the picture of a running robot: state, inputs that can be set, outputs. Clicks become
+orders; nothing is drawn here.
 """
 
 from __future__ import annotations
@@ -33,12 +33,12 @@ class Text:
 
 
 class LivePanel:
-    """The controls of a running robot.
+    """The controls beside the picture of a running robot.
 
     Args:
         gui: user interface of the page.
-        stage: the stage that is shown.
-        switches: groups that can be hidden.
+        stage: the scene that is drawn.
+        switches: groups of the scene's bodies that can be hidden.
         give: called with orders: `input` with a name and a value, `group` with a name and True to show it.
     """
 

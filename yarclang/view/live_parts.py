@@ -1,7 +1,7 @@
-"""Follow the parts of a cell while its robot runs: from the coordinator's report, and by the grippers'
+"""Follow the workpieces of a cell while its robot runs: from the coordinator's report, and by the grippers'
 actions since then.
 
-This module has no clock.
+This module reads no clock.
 """
 
 from __future__ import annotations
@@ -21,15 +21,15 @@ _LEFT = 0.05
 
 
 class LiveParts:
-    """The current places of a cell's parts.
+    """The current places of a cell's workpieces.
 
     Args:
-        robot: the robot that carries the parts.
-        cell: cell with the parts.
+        robot: the robot that carries the workpieces.
+        cell: cell with the workpieces.
 
     Attributes:
-        parts: the parts whose places are known.
-        doubt: reason why their places aren't known; empty if they are.
+        parts: the workpieces whose places are known.
+        doubt: reason why the places aren't known; empty if they are.
         is_late: True if the places are those before the running program began.
     """
 
@@ -42,7 +42,7 @@ class LiveParts:
 
     @property
     def rows(self) -> list[tuple[str, str]]:
-        """Return texts about the parts: name and value."""
+        """Return table rows about the workpieces: name and value."""
         rows = [("holds", ", ".join(names))] if (names := [one.name for one in self.parts.held()]) else []
         if self.doubt:
             rows.append(("parts", f"nobody knows where they are: {self.doubt}"))
@@ -51,13 +51,13 @@ class LiveParts:
         return rows
 
     def told(self, told: replies.Parts, *, is_late: bool = False) -> None:
-        """Use the places of parts that a coordinator has reported. Names that the cell doesn't have are left
-        out.
+        """Use the places of workpieces that a coordinator has reported. Workpieces that aren't in the cell's
+        file are ignored.
 
         Args:
             told: the coordinator's message.
-            is_late: True if something is running whose effects the coordinator takes into account only at its
-                end.
+            is_late: True if a program is running, whose effect on the workpieces the coordinator reports only
+                at its end.
         """
         self.doubt = told.doubt or ""
         self.is_late = is_late
@@ -83,11 +83,12 @@ class LiveParts:
             yield Item(part, count, pose.tobytes(), held, one.sure)
 
     def output_set(self, variable: str, value: float, q: Array) -> None:
-        """Process an output that was set: a gripper closes or opens, or a machine removes parts.
+        """Update the workpieces after an output was set: a gripper closes or opens, or a machine removes
+        workpieces.
 
         Args:
             variable: variable of the output.
-            value: its new value.
+            value: new value of the output.
             q: (n,) joint positions at this moment [rad or m].
         """
         grip, removal = self._cell.grips.get(variable), self._cell.removals.get(variable)
@@ -102,8 +103,8 @@ class LiveParts:
             self.parts = remove(self.parts, removal)
 
     def stands(self, q: Array) -> None:
-        """Process the joint positions (n,) [rad or m]: the next part comes when the gripper has left the
-        place.
+        """Update the workpieces for new joint positions (n,) [rad or m]: a place from which the gripper has
+        moved away gets its next workpiece.
         """
         if self._took is None or not self.parts.expected:
             return

@@ -1,5 +1,5 @@
-"""Build a stage of a running robot, with figures beside it, from the messages of its coordinator. This module
-has no clock.
+"""Build the scene of a running robot, and the figures beside it, from the messages of its coordinator. This
+module reads no clock.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ process.
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Still:
-    """Joints at rest at `q` (n,) [rad or m]."""
+    """Joint positions `q` (n,) [rad or m] of a robot at rest, as a function of time."""
 
     q: Array
 
@@ -44,14 +44,14 @@ class _Still:
 def stage_of_live(
     robot: Robot, cell: Cell | None, q: Array, *, subtitle: str = "", parts: Parts | None = None
 ) -> Stage:
-    """Show a robot at its current position.
+    """Return the scene of a running robot at its current position.
 
     Args:
         robot: the running robot.
         cell: its cell; None if none is known.
         q: (n,) current joint positions [rad or m].
-        subtitle: source of the messages.
-        parts: places of the cell's parts; None for the places in the cell's file.
+        subtitle: text that says where the messages come from.
+        parts: places of the cell's workpieces; None for the places in the cell's file.
     """
     frame = followed_frame(robot, None)
     around = surroundings_of(robot, None, frame.name, given=cell)
@@ -79,16 +79,16 @@ def stage_of_live(
 
 
 class Live:
-    """The state of a robot after the last message.
+    """The state of a running robot after the last message from its coordinator.
 
     Args:
         robot: the robot.
-        status: its first status.
+        status: first status message.
 
     Attributes:
         robot: the robot.
         said: the last warning, or the error of the last program; empty without one.
-        parts: places of the cell's parts; None if no cell is known or it has no parts.
+        parts: places of the cell's workpieces; None if no cell is known or it has no workpieces.
     """
 
     def __init__(self, robot: Robot, status: Status) -> None:
@@ -133,9 +133,9 @@ class Live:
 
     @property
     def joints(self) -> Array | None:
-        """Return the actual positions (n,) [rad or m].
+        """Return the actual joint positions (n,) [rad or m].
 
-        None if they aren't known yet, or if the message's joints aren't those of the robot.
+        None if no message has reported them yet, or if the message's joints aren't those of the robot.
         """
         told = self._known.joints
         if told is None or told.keys() != set(self.robot.joint_names):
@@ -144,9 +144,10 @@ class Live:
 
     @property
     def is_under_way(self) -> bool:
-        """Return True while something is running.
+        """Return True while the robot runs a program or a single command.
 
-        The parts that it moves are followed here, since the coordinator updates their places only afterwards.
+        The workpieces that it moves are followed here, since the coordinator updates their places only
+        afterwards.
         """
         return bool(self._known.under_way)
 
@@ -156,10 +157,11 @@ class Live:
         return self._why if self._known.state is State.DISCONNECTED else ""
 
     def html(self, stage: Stage, q: Array) -> str:
-        """Return the current figures: state, command, times, override, and the robot's position.
+        """Return the figures beside the picture as HTML: state, command, times, override, and the robot's
+        position.
 
         Args:
-            stage: the stage.
+            stage: the scene that is drawn.
             q: (n,) joint positions [rad or m].
         """
         known, progress = self._known, self._known.progress

@@ -1,4 +1,4 @@
-"""Build the stage of a program. A program with errors is planned as far as possible."""
+"""Build the scene of a program. A program with errors is planned as far as possible."""
 
 from __future__ import annotations
 
@@ -71,10 +71,10 @@ def stage_of_program(
     certificate: Certificate | None,
     findings: Sequence[Diagnostic],
 ) -> Stage:
-    """Return the stage of a program.
+    """Return the scene of a planned program.
 
     Args:
-        name: name of its file, for people.
+        name: name of the program's file, for people.
         plan: the plan, which may be incomplete.
         certificate: what was proved; None for a program with errors.
         findings: all findings.
@@ -151,7 +151,7 @@ def _worst(
 def _pieces(
     plan: MotionPlan, proved: Mapping[int, CommandCertificate], carried: Carried | None
 ) -> tuple[tuple[Piece, ...], dict[int, int]]:
-    """Return all commands in order, and the command of each step."""
+    """Return all commands of a program in order, and the number of the command of each step."""
     at = {motion.step: number for number, motion in enumerate(plan.motions)}
     pieces: list[Piece] = []
     number_of: dict[int, int] = {}
@@ -200,7 +200,9 @@ def _facts(
 def motion_facts(
     robot: Robot, motion: PlannedMotion, step: Step, proved: CommandCertificate | None
 ) -> tuple[tuple[str, str], ...]:
-    """Return the facts of a motion: time, use of joint limits, speed of the frame, distances of bodies."""
+    """Return the facts about a motion to show: time, use of the joint limits, speed of the moving frame,
+    distances of bodies.
+    """
     curve = motion.curve
     facts = [("duration", f"{curve.duration:.3f} s"), ("profile", motion.profile)]
     if isinstance(step, TimedMove):
@@ -276,7 +278,7 @@ def _action_facts(step: Step) -> tuple[tuple[str, str], ...]:
 
 @dataclass(frozen=True, eq=False)
 class _Stands:
-    """Finds the places of findings on the path."""
+    """Finds the points of the path at which findings are marked."""
 
     plan: MotionPlan
     flange_from_frame: Array
@@ -317,11 +319,11 @@ class _Stands:
         return step.origin
 
     def _time(self, finding: Diagnostic, step: int | None, piece: Piece) -> float:
-        """Return the time of a finding [s].
+        """Return the time [s] at which the picture marks a finding.
 
-        For bodies that collide, it is the time at which they are nearest to each other, compared with their
-        margin. For other findings about a motion, it is the middle of the motion. For a motion without a
-        plan, it is the time at which it would begin.
+        For bodies that collide, it is the time at which their distance is smallest relative to their margin.
+        For other findings about a motion, it is the middle of the motion's time. For a motion that couldn't
+        be planned, it is the time at which the motion would begin.
         """
         if not piece.moves:
             return piece.begins

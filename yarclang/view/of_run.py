@@ -1,4 +1,4 @@
-"""Build the stage of a run's log: the actual motion beside the planned one."""
+"""Build the scene of a recorded run: the actual motion beside the planned one."""
 
 from __future__ import annotations
 
@@ -34,10 +34,10 @@ _SEEN = 0.2
 
 
 def stage_of_run(file: str, robot_name: str | None, cell: str | None = None) -> Result[Stage]:
-    """Return the stage of a log.
+    """Return the scene of a recorded run.
 
     Args:
-        file: the log.
+        file: the log of the run.
         robot_name: robot named on the command line. By default it is the robot that the log names, from the
             folder's yarc.toml or from the library.
         cell: path of a cell.toml named on the command line; by default that of the folder's yarc.toml.
@@ -127,7 +127,7 @@ def _stage(run: RecordedRun, planned: Planned, robot: Robot, origins: Origins, c
 def _carries(
     run: RecordedRun, does: Executed | None, parts: RecordedParts | None
 ) -> tuple[tuple[tuple[str, str], ...], ...]:
-    """Return the facts about the parts that each command of the run carries."""
+    """Return the facts about the workpieces that each command of the run carries."""
     if does is None or parts is None:
         return ((),) * len(run.commands)
     steps = [act.step for act in does.acts if act.curve is not None]
@@ -148,7 +148,8 @@ class _AsPlanned:
 def _plan_times(run: RecordedRun, tracking: Tracking) -> tuple[Array, Array]:
     """Return times of the run and the corresponding times of the program, (K,) each [s].
 
-    Before the program begins, the time of the program is that of its start. In a second pass it begins again.
+    Before the program begins, the time of the program is that of its start. When the program is repeated, its
+    time begins again.
     """
     if not len(tracking.rows):
         return np.array([0.0]), np.array([0.0])
@@ -158,7 +159,8 @@ def _plan_times(run: RecordedRun, tracking: Tracking) -> tuple[Array, Array]:
 def _pieces(
     run: RecordedRun, tracking: Tracking, carries: Sequence[tuple[tuple[str, str], ...]]
 ) -> tuple[Piece, ...]:
-    """Return the commands with the times at which they ran; with several passes, the times in the last pass.
+    """Return the commands with the times at which they ran; if the program was repeated, with the times of
+    the last pass.
 
     Commands that weren't reached have no time and are left out.
     """
@@ -198,7 +200,9 @@ def _pieces(
 def _marks(
     run: RecordedRun, tracking: Tracking, track: Recorded, robot: Robot, flange_from_frame: Array
 ) -> tuple[Mark, ...]:
-    """Return the remarks of the run and its end, with the robot's positions at these times."""
+    """Return marks for the log's remarks and for the end of the run, with the robot's positions at these
+    times.
+    """
     told: list[tuple[float, str, Severity]] = [
         (one.time, one.text, "note") for one in marks_of(run, tracking)
     ]

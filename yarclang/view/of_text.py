@@ -1,4 +1,6 @@
-"""Build the stage of a controller text, with the frames and the cell of its program if these are found."""
+"""Build the scene of a controller text (the compiler's output), with the frames and the cell of its program
+if these are found.
+"""
 
 from __future__ import annotations
 
@@ -23,12 +25,12 @@ from yarclang.view.track import Curves, way_of_curves
 
 
 def stage_of_text(source: SourceFile, folder: Path, robot: Robot, cell: str | None = None) -> Result[Stage]:
-    """Show the motions of a controller text.
+    """Return a scene with the motions of a controller text.
 
     Args:
-        source: the text.
-        folder: its folder, in which its program and its cell are searched.
-        robot: its robot.
+        source: the controller text.
+        folder: folder of the text, in which its program and cell are looked up.
+        robot: the robot for which the text was compiled.
         cell: path of a cell.toml named on the command line.
 
     Returns:

@@ -1,4 +1,4 @@
-"""Open a program, a controller text or the log of a run as a stage."""
+"""Open a program, a controller text or the log of a run as a scene."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ RobotOf = Callable[[SourceFile, str | None], Result[Robot]]
 
 
 def opened(file: str, options: Options, robot_of: RobotOf) -> Result[Stage]:
-    """Return the stage of a file: a program, a controller text, or the log of a run. `-` is standard input.
+    """Return the scene of a file: a program, a controller text, or the log of a run. `-` is standard input.
 
     Returns:
         None, with findings, if there is nothing to show.
@@ -50,7 +50,7 @@ def opened(file: str, options: Options, robot_of: RobotOf) -> Result[Stage]:
 
 
 def program_stage(source: SourceFile, folder: Path, options: Options) -> Result[Stage]:
-    """Return the stage of a program in a folder; None, with findings, if its robot isn't known."""
+    """Return the scene of a program in a folder; None, with findings, if the program's robot isn't known."""
     checked = check_text(source, folder, options)
     found = checked.diagnostics
     if checked.program is None:

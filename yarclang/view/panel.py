@@ -31,12 +31,12 @@ _CURRENT: _Shade = "blue"
 
 @dataclass(frozen=True, slots=True)
 class Order:
-    """An order of a user.
+    """An order that a user has given by a click or an input in the panel.
 
     Attributes:
         kind: kind of the order.
-        value: its object or amount.
-        more: a further value.
+        value: what the order is about, or the new value.
+        more: a second value, for orders that need one.
     """
 
     kind: Literal[
@@ -129,7 +129,7 @@ class Rows:
 
 
 class Panel:
-    """The controls of a stage."""
+    """The controls beside the picture of a scene."""
 
     def __init__(
         self, gui: viser.GuiApi, stage: Stage, switches: Switches, ramps: dict[str, str], give: Give

@@ -1,6 +1,6 @@
-"""Find collisions in the motions of a program that can't be planned completely.
+"""Find collisions in a program of which some motions can't be planned.
 
-Such a program has no controller text, so that no certificate reports its collisions.
+Such a program can't be compiled, so there is no certificate that reports its collisions.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ or m].
 
 
 def met(plan: MotionPlan) -> tuple[Diagnostic, ...]:
-    """Return the collisions of the planned motions, and the zones whose rules they break, by the same proofs
-    as for a complete program.
+    """Return the collisions of the planned motions and their violations of zones, proved as for a complete
+    program.
     """
     found: list[Diagnostic] = []
     if not plan.motions:
@@ -41,7 +41,9 @@ def met(plan: MotionPlan) -> tuple[Diagnostic, ...]:
 
 
 def _without_gaps(motions: Sequence[PlannedMotion]) -> Iterator[list[PlannedMotion]]:
-    """Yield the longest sequences of connected motions. Between two sequences a motion is missing."""
+    """Yield the longest sequences of planned motions without a gap. Between two sequences, a motion couldn't
+    be planned.
+    """
     stretch: list[PlannedMotion] = []
     for motion in motions:
         if stretch and np.abs(_ends(motion)[0] - _ends(stretch[-1])[1]).max() > _TOGETHER:
@@ -59,7 +61,7 @@ def _ends(motion: PlannedMotion) -> tuple[Array, Array]:
 
 
 def _layout(plan: MotionPlan, motions: Sequence[PlannedMotion]) -> Layout:
-    """Return planned motions in the form of the segments of a text."""
+    """Arrange planned motions like the segments of a controller text, so that the same proofs can be used."""
     places: list[Place] = []
     at: list[NDArray[np.int64]] = []
     first = points = 0

@@ -1,5 +1,5 @@
-"""The parts of a cell as items: their places over time, and the bodies of the collision check at these
-times.
+"""The workpieces of a cell as bodies to draw: their places over time, and the bodies of the collision check
+at these times.
 """
 
 from __future__ import annotations
@@ -31,11 +31,11 @@ together.
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Moment:
-    """A state of the parts, from a given time on.
+    """A state of the workpieces (which are held, and where the others stand), from a given time on.
 
     Attributes:
         begins: the time [s].
-        state: the state.
+        state: the state of the workpieces.
     """
 
     begins: float
@@ -44,12 +44,12 @@ class Moment:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ShownParts:
-    """The parts of a picture.
+    """The workpieces in a picture.
 
     Attributes:
-        items: bodies of the parts.
+        items: bodies of the workpieces.
         scenes: bodies of the collision check over time.
-        notes: parts that can't be shown.
+        notes: workpieces that can't be shown.
     """
 
     items: tuple[Item, ...]
@@ -58,23 +58,23 @@ class ShownParts:
 
 
 def moments_of(carried: Carried, begins: Sequence[float] | Mapping[int, float]) -> tuple[Moment, ...]:
-    """Return the states of parts with their times.
+    """Return the states of the workpieces during a program, with their times.
 
     Args:
-        carried: the parts during a program.
-        begins: time at which each step begins [s].
+        carried: the workpieces during the program.
+        begins: time at which each step of the program begins [s].
     """
     first, *rest = carried.states
     return (Moment(-np.inf, first), *(Moment(begins[one.step], one) for one in rest))
 
 
 def shown_parts(robot: Robot, moments: Sequence[Moment], carried: Carried) -> ShownParts:
-    """Return the items of parts that move.
+    """Return the bodies to draw for workpieces that a program moves.
 
     Args:
-        robot: the robot that carries them.
+        robot: the robot that carries the workpieces.
         moments: states in order of time. Of several states at one time, the last one counts.
-        carried: the parts during the program.
+        carried: the workpieces during the program.
     """
     moments = [
         one
@@ -111,11 +111,11 @@ def shown_parts(robot: Robot, moments: Sequence[Moment], carried: Carried) -> Sh
 
 
 def standing_parts(robot: Robot, parts: Parts) -> tuple[tuple[Item, ...], tuple[str, ...]]:
-    """Return the items of parts that stay in place, and notes about those that can't be shown.
+    """Return the bodies to draw for workpieces that stay in place, and notes about those that can't be drawn.
 
     Args:
-        robot: the robot whose flange carries held parts.
-        parts: places of the parts.
+        robot: the robot whose flange carries held workpieces.
+        parts: places of the workpieces.
     """
     items: list[Item] = []
     notes: list[str] = []
@@ -153,7 +153,7 @@ def _item(robot: Robot, placed: Placed, pose: Array, solid: Solid, begins: float
 
 
 def with_parts(stage: Stage, shown: ShownParts | None) -> Stage:
-    """Return a stage with its parts."""
+    """Return a scene with the cell's workpieces added."""
     if shown is None:
         return stage
     return replace(
@@ -166,14 +166,14 @@ def with_parts(stage: Stage, shown: ShownParts | None) -> Stage:
 
 
 def parts_of_plan(plan: MotionPlan, carried: Carried | None) -> ShownParts | None:
-    """Return the parts of a planned program; None if its cell has none."""
+    """Return the workpieces of a planned program to draw; None if the program's cell has none."""
     if carried is None:
         return None
     return shown_parts(plan.robot, moments_of(carried, plan.schedule.places), carried)
 
 
 def parts_of_text(does: Executed, carried: Carried | None) -> ShownParts | None:
-    """Return the parts of a controller text; None if their places aren't known."""
+    """Return the workpieces of a controller text to draw; None if their places aren't known."""
     if carried is None:
         return None
     begins = begins_in_text(does, len(carried.handling.steps))
@@ -181,21 +181,21 @@ def parts_of_text(does: Executed, carried: Carried | None) -> ShownParts | None:
 
 
 def unfollowed(cell: Cell | None, carried: Carried | None) -> tuple[str, ...]:
-    """Return a note if a cell has parts with unknown places."""
+    """Return a note if the places of a cell's workpieces are unknown."""
     if carried is not None or cell is None or not cell.parts:
         return ()
     return ("the cell's parts aren't shown: only the program says where they are taken",)
 
 
 def facts_of_set(carried: Carried | None, step: int) -> tuple[tuple[str, str], ...]:
-    """Return the facts about the parts that a SET moves."""
+    """Return which workpieces a SET takes, puts down or removes, as names and texts to show."""
     deeds = carried.deeds(step) if carried is not None else ()
     return tuple((verb, ", ".join(names)) for verb, names in deeds)
 
 
 def facts_of_motion(carried: Carried | None, step: int) -> tuple[tuple[str, str], ...]:
-    """Return the facts about the parts that a motion carries, and about the bodies that may touch during
-    it.
+    """Return which workpieces a motion carries, and which bodies are allowed to touch during it, as names and
+    texts to show.
     """
     if carried is None:
         return ()

@@ -1,4 +1,4 @@
-"""Find what a click means: the point nearest to the ray from the eye through the mouse."""
+"""Find what a click means: the point nearest to the ray from the camera through the mouse."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ ANGLE = 0.02
 
 
 def beside(points: Array, eye: Array, direction: Array) -> tuple[int, float]:
-    """Return the index of the point with the smallest angle to the ray, and this angle [rad].
+    """Return the index of the point with the smallest angle to a ray from the camera, and this angle [rad].
 
-    -1 and infinity if no point is in front of the eye.
+    -1 and infinity if no point is in front of the camera.
 
     Args:
         points: (N, 3) [m].
-        eye: (3,) [m].
+        eye: (3,) position of the camera [m].
         direction: (3,) direction of the ray.
     """
     if not len(points):
@@ -32,9 +32,10 @@ def beside(points: Array, eye: Array, direction: Array) -> tuple[int, float]:
 
 
 def picked_time(way: Way, eye: Array, direction: Array) -> float | None:
-    """Return the time [s] at which the frame is at the clicked place of its path; None for clicks elsewhere.
+    """Return the time [s] at which the moving frame is at the clicked point of its path; None for clicks
+    beside the path.
 
-    Long straight pieces have only points that are far apart, so the lines between points are searched.
+    The points of a long straight path are far apart, so the lines between them are searched too.
     """
     if len(way.points) < 2:
         return None

@@ -1,4 +1,4 @@
-"""Draw the stage in three dimensions with viser. Bodies and axes are drawn once, and then only moved with the
+"""Draw a scene in three dimensions with viser. Bodies and frames are drawn once, and then only moved with the
 joints.
 """
 
@@ -44,12 +44,12 @@ all of them.
 
 
 class Picture:
-    """All nodes of a stage in viser's scene.
+    """All nodes of the drawn scene in viser.
 
     Args:
-        server: server of the page.
-        stage: the stage.
-        hidden: groups that are switched off.
+        server: web server of the page.
+        stage: the scene that is drawn.
+        hidden: groups of nodes that are switched off.
     """
 
     def __init__(self, server: viser.ViserServer, stage: Stage, hidden: Iterable[str] = OFF_AT_FIRST) -> None:
@@ -118,7 +118,7 @@ class Picture:
             move_nodes(self._joints, moved_by(self._stage.robot.chain, q))
 
     def show_parts(self, items: Iterable[Item]) -> None:
-        """Replace the parts."""
+        """Replace the workpieces in the picture."""
         with self._server.atomic():
             self._parts.clear()
             self._bodies = {
@@ -132,7 +132,9 @@ class Picture:
             self._parts.move_to(0.0)
 
     def fade(self, text: str) -> None:
-        """Draw all bodies grey and write the reason above the robot. An empty text restores the colours."""
+        """Draw all bodies grey and write the reason for this above the robot. An empty text restores the
+        colours.
+        """
         self._touching = frozenset()
         for nodes in self._bodies.values():
             for node, item in nodes:
@@ -140,7 +142,7 @@ class Picture:
         self.write(text)
 
     def write(self, text: str) -> None:
-        """Write a text above the robot; remove it if it is empty."""
+        """Write a text above the robot; remove the text if it is empty."""
         if self._written is not None:
             self._written.remove()
             self._written = None
@@ -150,17 +152,17 @@ class Picture:
             )
 
     def colour_bodies(self, touching: frozenset[str]) -> None:
-        """Colour the bodies that are too near to others. All other bodies get their own colours back."""
+        """Highlight the bodies that are too near to others. All other bodies get their own colours back."""
         for name in touching ^ self._touching:
             for node, item in self._bodies.get(name, []):
                 node.color = colours.TOUCHING if name in touching else item.colour
         self._touching = touching
 
     def colour_way(self, values: Array, most: float, ramp: str) -> None:
-        """Colour the path by values.
+        """Colour the drawn path by values, such as the frame's speed.
 
         Args:
-            values: (N,) value of each point.
+            values: (N,) value of each point of the path.
             most: value at the end of the colour scale.
             ramp: name of the colour ramp.
         """
@@ -187,11 +189,11 @@ class Picture:
             self._draw_exactly("/around", np.abs(self._owners - number) <= _AROUND, _WIDTH)
 
     def _draw_exactly(self, name: str, wanted: NDArray[np.bool_], width: float) -> None:
-        """Draw some lines of the path exactly.
+        """Draw some sections of the path without simplification, through all of its points.
 
         Args:
             name: name of the node.
-            wanted: True for the lines to draw.
+            wanted: True for the lines between points that are drawn.
             width: width of the lines [pixels].
         """
         first = self._first[wanted]
@@ -207,7 +209,7 @@ class Picture:
             )
 
     def choose_mark(self, number: int) -> None:
-        """Write a finding at its place; for -1 write none."""
+        """Write the text of a finding at its place in the scene; for -1 write none."""
         if self._written is not None:
             self._written.remove()
             self._written = None
@@ -218,10 +220,10 @@ class Picture:
             )
 
     def drag(self, number: int, dragged: Callable[[Array, Array], object]) -> None:
-        """Draw the handles of a frame; for -1 draw none.
+        """Show the handles by which users drag a frame; for -1 show none.
 
         Args:
-            number: number of the frame among the stage's frames that can be dragged.
+            number: number of the frame among the frames of the scene that can be dragged.
             dragged: called with position (3,) [m] and quaternion w x y z, with all joints at zero.
         """
         if self._handles is not None:
@@ -370,5 +372,5 @@ class Picture:
 
 
 def _between(values: Any, first: Rows, second: Rows) -> Any:
-    """Return the values at both ends of lines (L, 2, 3)."""
+    """Return the values at both ends of line segments, stacked to (L, 2, 3)."""
     return np.stack([values[first], values[second]], axis=1)

@@ -10,7 +10,7 @@ from yarclang.robot.model import Array
 
 
 def move_nodes(nodes: list[Any], poses: Array) -> None:
-    """Move nodes (K) to poses (K, 4, 4). The first node isn't moved, because no joint moves it."""
+    """Set the poses (K, 4, 4) of viser nodes (K). The first node isn't moved, because no joint moves it."""
     for node, pose, turn in zip(nodes[1:], poses[1:], _quaternions(poses[1:]), strict=True):
         node.position, node.wxyz = pose[:3, 3], turn
 

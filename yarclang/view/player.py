@@ -1,5 +1,5 @@
-"""The time that is shown. It stands still or runs from beginning to end at some speed. This module has no
-clock.
+"""The instant that the picture shows. It stands still or runs from beginning to end at some speed. This
+module reads no clock.
 """
 
 from __future__ import annotations
@@ -9,12 +9,12 @@ from dataclasses import dataclass
 
 @dataclass(slots=True)
 class Player:
-    """The time that is shown.
+    """The instant that the picture shows.
 
     Attributes:
-        duration: the end [s].
-        time: the time that is shown [s].
-        factor: speed of this time relative to real time.
+        duration: the end of the time [s].
+        time: the instant that is shown [s].
+        factor: speed of the shown time relative to real time.
         plays: True while the time runs.
     """
 
@@ -24,13 +24,13 @@ class Player:
     plays: bool = False
 
     def pass_by(self, seconds: float) -> bool:
-        """Advance the time while it runs, and stop at the end.
+        """Advance the shown instant while the time runs, and stop at the end.
 
         Args:
             seconds: real time that has passed [s].
 
         Returns:
-            True if the time that is shown has changed.
+            True if the shown instant has changed.
         """
         if not self.plays or seconds <= 0.0:
             return False

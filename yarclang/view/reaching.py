@@ -1,4 +1,4 @@
-"""Find the running robot to show, at first and again after it wasn't served for some time."""
+"""Find the running robot to show, at first and again after no coordinator has served it for some time."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ _SERVE = "serve one: `yarc serve --robot NAME`, or run a program: `yarc run`"
 
 @dataclass(frozen=True, slots=True)
 class Whose:
-    """The wanted robot. Without a name and a host, it is the only one that runs.
+    """Which running robot to show. Without a name and a host, it is the only one that runs.
 
     Attributes:
-        name: name of its run; None for any.
-        host: host of its controller; None for any.
-        port: port of its controller.
+        name: name of the run; None for any.
+        host: host of the robot's controller; None for any.
+        port: port of the robot's controller.
     """
 
     name: str | None = None
@@ -32,7 +32,7 @@ class Whose:
     port: int = 0
 
     def first(self) -> Run:
-        """Return the run.
+        """Return the wanted run.
 
         Raises:
             ControlError: there is none, or there are several.
@@ -50,8 +50,8 @@ class Whose:
         return the_run(self.name)
 
     def again(self, before: Run) -> Run:
-        """Return the run that replaces another run: the run with the same controller or, without one, with
-        the same robot.
+        """Return the run that replaces a run that has ended: the one with the same controller or, without a
+        controller, with the same robot.
 
         Raises:
             ControlError: there is none, or there are several.
@@ -74,7 +74,7 @@ class Place:
     Attributes:
         robot: the robot.
         cell: the cell; None without one.
-        notes: parts of the cell that can't be read.
+        notes: what can't be read of the cell.
     """
 
     robot: Robot
@@ -92,10 +92,10 @@ class Place:
 
 
 def read_place(welcome: Welcome, around: Surroundings) -> Place:
-    """Read the files of a robot and its cell, which a coordinator has named.
+    """Read the files of a robot and its cell whose paths a coordinator has sent.
 
     Raises:
-        Trouble: the robot's files can't be read, or have changed since the robot is served.
+        Trouble: the robot's files can't be read, or have changed since the coordinator was started.
     """
     loaded = load_robot(around.robot)
     robot = loaded.value

@@ -1,4 +1,6 @@
-"""Follow the parts of a cell during a recorded run, by the times at which the robot reached the SETs."""
+"""Follow the workpieces of a cell during a recorded run, by the times at which the robot reached the SET
+commands.
+"""
 
 from __future__ import annotations
 
@@ -44,11 +46,11 @@ _BESIDE_WAY = 0.12
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RecordedParts:
-    """The parts of a run.
+    """The workpieces of a recorded run.
 
     Attributes:
-        shown: the parts in the picture.
-        carried: the parts during the last pass.
+        shown: the workpieces in the picture.
+        carried: the workpieces during the last pass through the program.
     """
 
     shown: ShownParts
@@ -57,7 +59,7 @@ class RecordedParts:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Pass:
-    """Samples of one pass.
+    """The recorded samples of one pass through the program.
 
     Attributes:
         real: (N,) times in the run [s].
@@ -70,8 +72,8 @@ class _Pass:
     is_whole: bool
 
     def when(self, time: float, *, leaves: bool) -> float | None:
-        """Return the time in the run at which the robot was at a time of the program [s]; None if it never
-        was.
+        """Convert a time of the program to the time in the run at which the robot reached it [s]; None if it
+        never did.
 
         Args:
             time: time in the program [s].
@@ -93,16 +95,16 @@ class _Pass:
 def recorded_parts(
     run: RecordedRun, tracking: Tracking, does: Executed, program: Program | None
 ) -> RecordedParts | None:
-    """Return the parts of a run.
+    """Return the workpieces of a recorded run.
 
     Args:
-        run: the log.
+        run: the log of the run.
         tracking: time in the program of each sample.
         does: motions of the run's controller text.
-        program: the program of the text; None if it isn't known.
+        program: the program of the controller text; None if it isn't known.
 
     Returns:
-        None if the program isn't known, or its cell has no parts.
+        None if the program isn't known, or its cell has no workpieces.
     """
     carried = carried_in_text(does, program)
     if carried is None or program is None:
@@ -145,11 +147,11 @@ def _follows_wait(steps: Sequence[Step], number: int) -> bool:
 
 
 def _left_out(steps: Sequence[Step], begins: Sequence[float], one: _Pass) -> Iterator[int]:
-    """Yield the steps that a pass left out, and the steps that only mark branches and loops.
+    """Yield the program steps that a pass left out, and the steps that only mark branches and loops.
 
-    These are the branches of a WHEN that weren't taken, with their WHEN, ELSE and END; the rests of loops
-    that were skipped; and the steps at which loops begin and end. If both branches of a WHEN take no time,
-    neither is yielded.
+    These are the branches of a WHEN that weren't taken, with their WHEN, ELSE and END; the skipped remainders
+    of loops; and the steps at which loops begin and end. If both branches of a WHEN take no time, neither is
+    yielded.
     """
     open_: list[tuple[int, int | None]] = []
     loops: list[list[int]] = []
@@ -188,7 +190,9 @@ def _left_out(steps: Sequence[Step], begins: Sequence[float], one: _Pass) -> Ite
 
 
 def _was_in(one: _Pass, begins: float, ends: float) -> bool | None:
-    """Return True if a pass was between two times of the program [s]; None if the two times are equal."""
+    """Return True if the robot was between two times of the program [s] during a pass; None if the two times
+    are equal.
+    """
     if ends <= begins:
         return None
     margin = min(_BESIDE_WAY, 0.4 * (ends - begins))

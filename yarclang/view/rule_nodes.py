@@ -1,5 +1,5 @@
-"""Draw the rules of the shown instant: a translucent cone or plane for each, and the line that stays in
-it.
+"""Draw the path constraints (KEEP rules) of the shown instant: a translucent cone or plane for each, and the
+line that must stay in the cone or above the plane.
 """
 
 from __future__ import annotations
@@ -22,11 +22,12 @@ _WIDTH = 3.0
 
 
 class RuleNodes:
-    """The nodes of the rules that hold. Others have none, since a program may have thousands of rules.
+    """The viser nodes of the path constraints (KEEP rules) in force. Others have no nodes, since a program
+    may have thousands of rules.
 
     Args:
-        scene: scene of viser.
-        stage: the stage.
+        scene: viser's scene.
+        stage: the scene as data.
         switches: switches of the picture.
     """
 
@@ -37,7 +38,9 @@ class RuleNodes:
             switches.offer(GROUP)
 
     def move_to(self, time: float, q: Array) -> None:
-        """Draw the rules that hold at a time [s], at joint positions (n,) [rad or m]."""
+        """Draw the path constraints (KEEP rules) in force at a time [s], at joint positions (n,) [rad or
+        m].
+        """
         holds = self._rules.at(time)[:MOST_SHOWN]
         if gone := self._nodes.keys() - set(holds):
             self._switches.forget(GROUP)

@@ -1,4 +1,4 @@
-"""The rules that motions keep (KEEP and `[[keep]]`), as cones and planes for a picture."""
+"""The path constraints of motions (KEEP and `[[keep]]`), as cones and planes for a picture."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ _WITHIN = 0.01
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RuleNow:
-    """A rule at an instant.
+    """A path constraint (KEEP rule) at an instant.
 
     Attributes:
-        base_from_surface: (4, 4) pose of its cone or plane.
-        pointer: (2, 3) ends of the line that stays in the cone or above the plane [m].
-        quantities: what it limits.
-        is_kept: True if all of them are within their limits.
+        base_from_surface: (4, 4) pose of the cone or plane in {B}.
+        pointer: (2, 3) ends of the line that must stay in the cone or above the plane [m].
+        quantities: the limited angle or distance, with its limits.
+        is_kept: True if all quantities are within their limits.
     """
 
     base_from_surface: Array
@@ -54,7 +54,7 @@ class RuleNow:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ShownRule:
-    """A rule that can be drawn.
+    """A path constraint (KEEP rule) that can be drawn.
 
     Attributes:
         keep: the rule.
@@ -79,7 +79,7 @@ class ShownRule:
                 return Solid(corners, np.array([[0, 1, 2], [0, 2, 3]]))
 
     def at(self, robot: Robot, q: Array) -> RuleNow:
-        """Return the rule at joint positions (n,) [rad or m]."""
+        """Return the state of the rule at joint positions (n,) [rad or m]."""
         region, flange = self.keep.region, flange_poses(robot.chain, q[None])[0]
         origin = flange[:3, :3] @ self.origin + flange[:3, 3]
         match region:
@@ -103,10 +103,10 @@ class ShownRule:
 
 @dataclass(frozen=True, eq=False)
 class Rules:
-    """The rules of a program over time.
+    """The path constraints (KEEP rules) of a program over time.
 
     Attributes:
-        held: the rules, with the times at which they hold.
+        held: the rules, with the times at which they are in force.
         shown: the same rules, for drawing.
     """
 
@@ -114,7 +114,7 @@ class Rules:
     shown: tuple[ShownRule, ...]
 
     def at(self, time: float) -> list[int]:
-        """Return the numbers of the rules that hold at a time [s]."""
+        """Return the numbers of the rules that are in force at a time [s]."""
         begins, ends, owners = self._times
         return [int(one) for one in np.unique(owners[(begins <= time) & (time <= ends)])]
 
@@ -130,7 +130,7 @@ NO_RULES = Rules((), ())
 
 
 def rules_of(held: Sequence[HeldRule], robot: Robot, cell: Cell | None) -> Rules:
-    """Return the rules of a program for a picture."""
+    """Return the path constraints (KEEP rules) of a program for a picture."""
     return Rules(tuple(held), tuple(ShownRule(one.keep, _origin(one.keep, robot, cell)) for one in held))
 
 

@@ -1,4 +1,6 @@
-"""viser's server, restricted to pages that this server itself has served (`yarclang.hosts`)."""
+"""viser's web server, restricted to requests from pages that this server itself has served
+(`yarclang.hosts`).
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,8 @@ continue.
 
 
 class GuardedServer(viser.ViserServer):
-    """A viser server that refuses other host names and pages of other sites, and opens no tunnels.
+    """A viser server that refuses other host names and pages of other sites, and opens no tunnels to the
+    internet.
 
     Args:
         host: address to listen on, or its name.
@@ -43,10 +46,10 @@ class GuardedServer(viser.ViserServer):
 
 
 class _Guard:
-    """Decides about each request for a file or a connection before it is answered.
+    """A filter that allows or refuses each request for a file or a connection before the server answers it.
 
     Attributes:
-        is_asked: True if the server has called it at least once.
+        is_asked: True if the server has called the filter at least once.
     """
 
     def __init__(self, names: frozenset[str]) -> None:
@@ -81,8 +84,8 @@ class _Guard:
 
 @contextlib.contextmanager
 def _guarded(guard: _Guard) -> Iterator[None]:
-    """Let new servers ask a guard first. viser has no option by which such a callback can be passed to
-    websockets.
+    """Make new websocket servers ask a filter before each connection. viser has no option by which such a
+    callback can be passed to websockets.
     """
     serve = websocket_server.serve
 

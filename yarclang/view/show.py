@@ -1,4 +1,4 @@
-"""Show a stage in a browser: process orders, advance the time, and update the picture."""
+"""Show a scene in a browser: process orders, advance the time, and update the picture."""
 
 from __future__ import annotations
 
@@ -36,12 +36,12 @@ _PASSES = 20.0
 
 
 def show(stage: Stage, door: Door, ready: Callable[[Door], None]) -> None:
-    """Serve a stage until it is interrupted (KeyboardInterrupt).
+    """Serve the picture of a scene until it is interrupted (KeyboardInterrupt).
 
     Args:
-        stage: the stage.
-        door: address at which it is served; port 0 means any free port.
-        ready: called with the actual address when it is open.
+        stage: the scene.
+        door: address at which the picture is served; port 0 means any free port.
+        ready: called with the actual address when the server listens.
 
     Raises:
         PortTakenError: the port is in use, or the address doesn't belong to this machine.
@@ -127,7 +127,7 @@ class _Showing:
                 self._lists[order.value].draw()
 
     def _drag(self, number: int) -> None:
-        """Let the user drag a frame; for -1 none."""
+        """Show the handles of a frame that the user can drag; for -1 none."""
         self._dragged = number
         self._picture.drag(number, lambda position, wxyz: self._orders.put(Order("dragged", position, wxyz)))
         one = self._stage.draggable[number] if number >= 0 else None

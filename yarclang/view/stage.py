@@ -1,5 +1,4 @@
-"""The contents of a picture as plain data: bodies, frames, paths, commands, findings, and the joints over
-time.
+"""The scene of a picture as plain data: bodies, frames, paths, commands, findings, and the joints over time.
 
 Nothing here depends on a browser. Lengths are in m, times in s, all coordinates in {B}.
 """
@@ -31,19 +30,19 @@ Rows = NDArray[np.int64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Item:
-    """A body, or the border of a zone.
+    """A body, or the border of a zone, as drawn.
 
     Attributes:
         name: name of the body. Items with the same name are one body of the collision check.
         kind: kind of the item.
         joint: number of joints that move the item.
         base_from_item: (4, 4) pose with all joints at zero.
-        solid: its surface.
-        colour: its colour.
+        solid: surface of the item.
+        colour: colour of the item.
         opacity: from 0 to 1.
-        begins: time from which on it is shown [s].
-        ends: time from which on it isn't shown any more [s].
-        is_named: True if its name is written beside it.
+        begins: time from which on the item is shown [s].
+        ends: time from which on the item isn't shown any more [s].
+        is_named: True if the name is written beside the item.
     """
 
     name: str
@@ -60,15 +59,15 @@ class Item:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Axes:
-    """A frame.
+    """A coordinate frame, drawn by its axes.
 
     Attributes:
         name: name without braces.
         joint: number of joints that move the frame.
         base_from_frame: (4, 4) pose with all joints at zero.
         of_program: True if the program declares the frame.
-        matters: True for {B}, for the followed frame, and for the first place of each frame that the program
-            uses; without a program, for each frame of the cell.
+        matters: True for {B}, for the frame whose path is drawn, and for the first pose of each frame that
+            the program uses; without a program, for each frame of the cell.
     """
 
     name: str
@@ -79,27 +78,27 @@ class Axes:
 
 
 class Track(Protocol):
-    """The joints over time."""
+    """The joint positions over time."""
 
     def at(self, times: Array) -> tuple[Array, Array]:
-        """Return positions [rad or m] and velocities, (N, n) each, at times (N,) [s].
+        """Return joint positions [rad or m] and velocities, (N, n) each, at times (N,) [s].
 
-        Before and after its range, the track is at rest.
+        Before the first and after the last recorded or planned time, the robot is at rest.
         """
         ...
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Way:
-    """A path of the followed frame.
+    """The drawn path of a moving frame, as points over time.
 
     Attributes:
-        times: (N,) [s].
-        points: (N, 3) the frame's origin [m].
-        speed: (N,) [m/s].
-        breaks: (M + 1,) points `breaks[k]` up to `breaks[k + 1]` are one connected stretch. Nothing is drawn
-            between two stretches.
-        piece: (M,) the command of each stretch, -1 for none.
+        times: (N,) time of each point [s].
+        points: (N, 3) origin of the frame [m].
+        speed: (N,) speed of the frame's origin [m/s].
+        breaks: (M + 1,) points `breaks[k]` up to `breaks[k + 1]` are one connected section. Nothing is drawn
+            between two sections.
+        piece: (M,) number of the command of each section, -1 for none.
     """
 
     times: Array
@@ -110,11 +109,11 @@ class Way:
 
 
 class Later:
-    """Names and values that are computed each time they are used, because only a few of a long program's
-    commands are ever shown.
+    """Facts about a command, as names and values, that are computed each time they are shown. A long program
+    has many commands, of which only few are ever shown.
 
     Args:
-        make: computes them.
+        make: function that computes the facts.
     """
 
     __slots__ = ("_make",)
@@ -128,10 +127,10 @@ class Later:
 
 @dataclass(frozen=True, slots=True)
 class Worst:
-    """A place that comes near to a limit.
+    """A place in the program at which a motion comes near to a limit.
 
     Attributes:
-        piece: its command.
+        piece: number of the command.
         text: description of the place and the limit.
     """
 
@@ -141,16 +140,16 @@ class Worst:
 
 @dataclass(frozen=True, slots=True)
 class Piece:
-    """A command.
+    """A command of the program, as shown.
 
     Attributes:
         label: label of the command, such as `P0010`.
         name: name of the command.
         line: line in the source; 0 if it isn't known.
-        begins: time at which it begins [s].
-        ends: time at which it ends [s].
-        moves: False for a command without motion, and for a motion without a plan.
-        planned: False for a motion without a plan.
+        begins: time at which the command begins [s].
+        ends: time at which the command ends [s].
+        moves: False for a command without motion, and for a motion that couldn't be planned.
+        planned: False for a motion that couldn't be planned.
         facts: names and values to show. In a long program, they are computed when they are needed (`Later`).
     """
 
@@ -171,16 +170,16 @@ class Piece:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Mark:
-    """A finding, or an event of a run.
+    """A finding or an event of a run, marked in the picture.
 
     Attributes:
         code: code of the finding.
-        severity: severity.
+        severity: severity of the finding.
         text: message.
-        remedy: the finding's help.
-        time: time [s]; None if it isn't known.
-        place: (3,) [m]; None if it isn't known.
-        piece: its command, -1 for none.
+        remedy: help of the finding.
+        time: time at which the mark is shown [s]; None if it isn't known.
+        place: (3,) point that is marked [m]; None if it isn't known.
+        piece: number of the command, -1 for none.
     """
 
     code: str
@@ -194,12 +193,12 @@ class Mark:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scenes:
-    """The bodies of the collision check over time.
+    """The bodies of the collision check over time, which change when the robot grips or releases a workpiece.
 
     Attributes:
         robot: the robot.
         begins: (K,) times from which on each cell applies [s], never decreasing.
-        cells: (K,) the cells. The first cell also applies before its time.
+        cells: (K,) states of the cell. The first one also applies before its time.
     """
 
     robot: Robot
@@ -211,7 +210,9 @@ class Scenes:
         return np.maximum(np.searchsorted(self.begins, times, side="right") - 1, 0)
 
     def scene(self, number: int) -> Scene | None:
-        """Return the bodies with a cell; None if there is no body that could collide."""
+        """Return the bodies of the collision check with a state of the cell; None if there is no body that
+        could collide.
+        """
         found = scene_of(self.robot, self.cells[number]).value
         return found if found is not None and len(found.pairs.first) else None
 
@@ -227,12 +228,12 @@ class Stage:
         robot: the robot whose joints `track` contains.
         items: bodies and borders of zones.
         axes: frames.
-        frame: name of the followed frame.
-        flange_from_frame: (4, 4) pose of the followed frame.
+        frame: name of the frame whose path is drawn.
+        flange_from_frame: (4, 4) pose of this frame on the flange.
         track: the joints over time.
         ghost: the planned joints beside the actual ones; None unless both are known.
-        way: path of the followed frame.
-        ghost_way: planned path of the followed frame; None without a ghost.
+        way: the drawn path of the frame.
+        ghost_way: planned path of the frame; None without a ghost.
         pieces: commands in order of time.
         marks: findings and events.
         scene: bodies of the collision check at the beginning; None if there is no body that could collide.
@@ -273,7 +274,9 @@ class Stage:
         return self.scenes.scene(int(self.scenes.numbers(np.array([time]))[0]))
 
     def scenes_over(self, times: Array) -> Iterator[tuple[Scene, Rows]]:
-        """Yield the bodies of the collision check at times (N,) [s], each with the rows of its times."""
+        """Yield each set of bodies of the collision check that applies at some of the times (N,) [s], with
+        the indices of these times.
+        """
         if self.scene is None:
             return
         if self.scenes is None:
@@ -286,10 +289,9 @@ class Stage:
                 yield scene, np.flatnonzero(numbers == number)
 
     def piece_at(self, time: float) -> int:
-        """Return the command that runs at a time [s].
+        """Return the number of the command that runs at a time [s]; -1 before the first command.
 
-        If several commands run then, return the one that moves or, if there is none, the first. -1 before the
-        first command.
+        If several commands run then, return the one that moves the robot or, if there is none, the first.
         """
         count = bisect_right(self.pieces, time + 1e-9, key=lambda piece: piece.begins)
         first = count
@@ -304,8 +306,8 @@ class Stage:
 
 
 def moved_by(chain: Chain, q: Array) -> Array:
-    """Return the displacements (n + 1, 4, 4) that the first 0 to n joints cause when they move from zero
-    to `q` (n,).
+    """Return the transforms (n + 1, 4, 4) of bodies that 0 to n joints move, from all joints at zero to
+    `q` (n,).
     """
     moved = np.tile(np.eye(4), (chain.size + 1, 1, 1))
     for joint in range(chain.size):

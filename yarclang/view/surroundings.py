@@ -1,4 +1,4 @@
-"""The surroundings that all pictures show: the robot, its cell, the program's frames, and notes."""
+"""The surroundings that each picture shows: the robot, its cell, the program's frames, and notes."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from yarclang.view.stage import Axes, Item
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Surroundings:
-    """The surroundings in a stage; see `Stage`.
+    """The surroundings in a scene; see `Stage`.
 
     Attributes:
         items: bodies and borders of zones.
-        axes: frames.
+        axes: coordinate frames.
         scene: bodies of the collision check; None if there is no body that could collide.
-        notes: contents that can't be shown.
+        notes: what can't be shown, with reasons.
         cell: the cell; None without one.
     """
 
@@ -37,7 +37,7 @@ class Surroundings:
 def surroundings_of(
     robot: Robot, program: Program | None, followed: str, missing: str = "", given: Cell | None = None
 ) -> Surroundings:
-    """Return the surroundings.
+    """Return the surroundings in a picture: robot, cell, frames and notes.
 
     Args:
         robot: the robot.
@@ -63,8 +63,8 @@ def surroundings_of(
 
 
 def followed_frame(robot: Robot, program: Program | None) -> DrawnFrame:
-    """Return the frame that the first Cartesian motion of a program moves. If there is none, return {TCP}, or
-    else the flange.
+    """Return the frame whose path is drawn: the one that a program's first Cartesian motion moves. Without
+    such a motion, return {TCP}, or else the flange.
     """
     for step in program.steps if program is not None else ():
         if (led := led_by(step)) is not None:

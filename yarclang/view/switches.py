@@ -1,4 +1,6 @@
-"""Switches of a picture. Each node belongs to groups, and is visible if all of them are switched on."""
+"""Switches that show and hide groups of nodes in the picture. A node may belong to several groups, and is
+visible if all of them are switched on.
+"""
 
 from __future__ import annotations
 
@@ -45,7 +47,7 @@ class Switches:
         self._offered: set[str] = set()
 
     def offer(self, name: str) -> None:
-        """Have a switch for a group that has no node yet."""
+        """Show a switch for a group that will have nodes later."""
         self._offered.add(name)
 
     @property
@@ -71,20 +73,23 @@ class Switches:
             node.visible = False
 
     def switch(self, name: str, is_shown: bool) -> None:
-        """Switch a group on or off together with its nodes, except nodes of parts, which `Parts` shows."""
+        """Switch a group on or off together with its nodes, except the nodes of workpieces, which `Parts`
+        switches.
+        """
         (self._hidden.discard if is_shown else self._hidden.add)(name)
         for node, groups in self._nodes[name]:
             if "part" not in groups:
                 node.visible = self.is_shown(*groups)
 
     def forget(self, name: str) -> None:
-        """Drop the nodes of a group, which are removed from the picture. The group's switch is kept."""
+        """Forget the nodes of a group after their removal from the picture. The group's switch is kept."""
         for each, nodes in self._nodes.items():
             self._nodes[each] = [(node, groups) for node, groups in nodes if name not in groups]
 
 
 class Parts:
-    """The nodes of parts. Each is visible while its part is there. Only changes are sent.
+    """The nodes of workpieces. Each is visible while its workpiece is at the node's place. Only changes are
+    sent.
 
     Args:
         switches: switches of the picture.
@@ -99,7 +104,7 @@ class Parts:
         self._time = 0.0
 
     def give(self, item: Item, node: Any, *groups: str) -> None:
-        """Add a node of a part. It isn't visible yet."""
+        """Add a node of a workpiece. It isn't visible yet."""
         self._nodes.append((node, groups))
         self._begins.append(item.begins)
         self._ends.append(item.ends)

@@ -25,7 +25,7 @@ _AT_ONCE = 4_096
 
 @dataclass(frozen=True, eq=False)
 class Curves:
-    """Planned motions over time. Between the motions, the robot is at rest.
+    """Joint positions over time as planned motions. Between the motions, the robot is at rest.
 
     Attributes:
         start: (n,) joint positions before the first motion [rad or m].
@@ -48,11 +48,11 @@ class Curves:
         return q, v
 
     def of(self, number: NDArray[np.intp], times: Array) -> tuple[Array, Array]:
-        """Return positions [rad or m] and velocities, (N, n) each, of curves.
+        """Return joint positions [rad or m] and velocities, (N, n) each, of planned motions.
 
         Args:
-            number: (N,) numbers of the curves.
-            times: (N,) times after the start of each curve [s].
+            number: (N,) numbers of the motions.
+            times: (N,) times after the start of each motion [s].
         """
         q, v, _ = self._sampler.sample(number, times)
         return q, v
@@ -64,11 +64,11 @@ class Curves:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Recorded:
-    """Recorded samples, connected by straight lines.
+    """Joint positions over time as recorded samples, connected by straight lines.
 
     Attributes:
         times: (N,) [s], never decreasing.
-        q: (N, n) [rad or m].
+        q: (N, n) joint positions [rad or m].
     """
 
     times: Array
@@ -90,11 +90,11 @@ class Recorded:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Shifted:
-    """A track over another time. Velocities are per second of the track's own time.
+    """Joint positions over time, played on another time scale. Velocities stay relative to the original time.
 
     Attributes:
-        track: the track.
-        outer: (N,) times of the shifted track [s], never decreasing.
+        track: the joint positions over their original time.
+        outer: (N,) times on the new scale [s], never decreasing.
         inner: (N,) corresponding times of `track` [s], never decreasing.
     """
 
@@ -111,13 +111,13 @@ def way_of_curves(curves: Curves, chain: Chain, flange_from_frame: Array, pieces
     """Return the path of a frame during motions.
 
     The points are distributed by the distances that the joints move. The more motions there are, the fewer
-    points a short motion has; if there are very many, it has only its start and end.
+    points a short motion has; if there are very many motions, it has only its start and end.
 
     Args:
         curves: the motions.
         chain: the robot's joints.
         flange_from_frame: (4, 4) pose of the frame.
-        pieces: the command of each motion.
+        pieces: number of the command of each motion.
     """
     if not curves.curves:
         still = tool_poses(chain, curves.start[None], flange_from_frame)[:, :3, 3]
@@ -140,11 +140,11 @@ def way_of_curves(curves: Curves, chain: Chain, flange_from_frame: Array, pieces
 
 
 def way_of_track(track: Track, times: Array, chain: Chain, flange_from_frame: Array) -> Way:
-    """Return the path of a frame in one stretch.
+    """Return the path of a frame as one connected section.
 
     Args:
-        track: the joints over time.
-        times: (N,) [s].
+        track: the joint positions over time.
+        times: (N,) times of the path's points [s].
         chain: the robot's joints.
         flange_from_frame: (4, 4) pose of the frame.
     """

@@ -1,4 +1,4 @@
-"""Choose the frames that are drawn: one triad of axes for each place, and each name once."""
+"""Choose the frames that are drawn: one set of axes for each pose, and each name once."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ _SAME = 1e-6
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Triad:
-    """Axes at a place.
+    """The three axes that are drawn for all frames with the same pose.
 
     Attributes:
-        joint: number of joints that move them.
+        joint: number of joints that move the axes.
         base_from_frame: (4, 4) pose with all joints at zero.
-        matters: True if one of the frames there matters.
+        matters: True if one of the frames there is important (`Axes.matters`).
     """
 
     joint: int
@@ -33,13 +33,13 @@ class Triad:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Name:
-    """A text at a place.
+    """The names of frames at one point of the scene.
 
     Attributes:
-        joint: number of joints that move the place.
-        place: (3,) position with all joints at zero [m].
-        matters: True if one of the frames there matters.
-        text: the text.
+        joint: number of joints that move the point.
+        place: (3,) position of the point with all joints at zero [m].
+        matters: True if one of the frames there is important (`Axes.matters`).
+        text: the names.
     """
 
     joint: int
@@ -49,8 +49,8 @@ class Name:
 
 
 def triads_of(axes: Sequence[Axes]) -> list[Triad]:
-    """Return one triad for all frames that coincide. Frames that matter come first, so that other frames
-    don't hide them.
+    """Return one set of axes for all frames with the same pose. Important frames come first, so that other
+    frames don't hide them.
     """
     found: list[Triad] = []
     for one in sorted(axes, key=lambda one: not one.matters):
@@ -66,10 +66,10 @@ def _coincide(triad: Triad, one: Axes) -> bool:
 
 
 def names_of(axes: Sequence[Axes], apart: float) -> list[Name]:
-    """Return the names of frames. Each name is written once, at its first place. Names nearer than `apart`
-    [m] are joined.
+    """Return the names of frames with their positions. Each name is written once, at the frame's first pose.
+    Names nearer to each other than `apart` [m] are joined.
 
-    If a frame has several places, its name includes their number, such as "{CELL} 1 of 24".
+    If a frame has several poses, its name includes their number, such as "{CELL} 1 of 24".
     """
     counts = Counter(one.name for one in axes)
     firsts: dict[str, Axes] = {}

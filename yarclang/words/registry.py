@@ -1,4 +1,6 @@
-"""Registry of all words that are neither motions nor actions: the WORD of each file in words/builtin."""
+"""Registry of all words that begin a line and are neither motions nor actions: the WORD of each file in
+words/builtin.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,8 @@ from yarclang.words.spec import WordSpec
 
 @cache
 def word_specs() -> Mapping[str, WordSpec]:
-    """Return the words by name, in alphabetic order.
+    """Return the specifications of all words that begin a line and are neither motions nor actions, by name,
+    in alphabetic order.
 
     Raises:
         NamedTwice: two words share a name.

@@ -14,7 +14,7 @@ from yarclang.frozen import frozen
 
 
 class Slot(Enum):
-    """Kind of a value after a word."""
+    """The kind of a value after a word of the language."""
 
     INPUT = "input"
     OUTPUT = "output"
@@ -38,24 +38,24 @@ class Slot(Enum):
 
 @frozen
 class WordSpec:
-    """One word of the language.
+    """The specification of one word of the language that begins a line and is neither a motion nor an action.
 
     Attributes:
         name: the word.
-        summary: one line about it.
-        example: a line with it, without an index.
-        is_command: True if it may have an index like a command.
-        opens_block: True if it begins a block, up to END.
+        summary: one line about the word.
+        example: a line with the word, without an index.
+        is_command: True if the word may have an index like a command.
+        opens_block: True if the word begins a block, up to END.
         takes_else: True if the block may have an ELSE.
-        ends_block: True if it ends the block of another word.
-        in_blocks: True if it is allowed in a block, although it is a declaration.
-        at_the_top: True if it must come before the first command.
+        ends_block: True if the word ends the block of another word.
+        in_blocks: True if the word is allowed in a block, although it is a declaration.
+        at_the_top: True if the word must come before the first command.
         once: True if a file has at most one such line.
-        of_programs: True if it isn't allowed in a module.
-        declares: kind of the name after it; empty without one. Names that are never used are reported.
-        proposes: kind of names that completion proposes after it.
-        slots: kinds of its values, if each line has the same number of them.
-        first: words that may be its first value, each with one line about it.
+        of_programs: True if the word isn't allowed in a module.
+        declares: kind of the name after the word; empty without one. Names that are never used are reported.
+        proposes: kind of names that completion proposes after the word.
+        slots: kinds of the word's values, if each line has the same number of them.
+        first: words that may be the first value, each with one line about it.
         wants: description of these values.
     """
 

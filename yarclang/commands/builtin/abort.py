@@ -1,4 +1,4 @@
-"""ABORT."""
+"""Specification of the command ABORT."""
 
 from yarclang.commands.spec import ActionArguments, ActionForm, ActionSpec
 from yarclang.hir import Action, Finish

@@ -1,4 +1,4 @@
-"""DMOVE."""
+"""Specification of the command DMOVE."""
 
 from yarclang.commands.spec import Arguments, CommandSpec, Values
 from yarclang.hir import LineMove, Step

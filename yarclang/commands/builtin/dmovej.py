@@ -1,4 +1,4 @@
-"""DMOVEJ."""
+"""Specification of the command DMOVEJ."""
 
 from yarclang.commands.spec import Arguments, CommandSpec, Values
 from yarclang.hir import JointMove, Step

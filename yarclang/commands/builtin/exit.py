@@ -1,4 +1,4 @@
-"""EXIT."""
+"""Specification of the command EXIT."""
 
 from yarclang.commands.spec import ActionArguments, ActionForm, ActionSpec
 from yarclang.hir import Action, Exit

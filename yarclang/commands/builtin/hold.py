@@ -1,4 +1,4 @@
-"""HOLD."""
+"""Specification of the command HOLD."""
 
 from yarclang.commands.spec import ActionArguments, ActionForm, ActionSpec
 from yarclang.hir import Action, Hold

@@ -1,4 +1,4 @@
-"""JPOS."""
+"""Specification of the command JPOS."""
 
 from yarclang.commands.spec import ActionArguments, ActionForm, ActionSpec
 from yarclang.hir import Action, Say

@@ -1,4 +1,4 @@
-"""LPOS."""
+"""Specification of the command LPOS."""
 
 from yarclang.commands.spec import ActionArguments, ActionForm, ActionSpec
 from yarclang.hir import Action, Say

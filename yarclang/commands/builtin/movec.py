@@ -1,4 +1,4 @@
-"""MOVEC."""
+"""Specification of the command MOVEC."""
 
 from yarclang.commands.spec import Arguments, CommandSpec, Values
 from yarclang.hir import ArcMove, Step

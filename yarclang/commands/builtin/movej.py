@@ -1,4 +1,4 @@
-"""MOVEJ."""
+"""Specification of the command MOVEJ."""
 
 from yarclang.commands.spec import Arguments, CommandSpec, Values
 from yarclang.hir import AvoidMove, JointMove, Step

@@ -1,4 +1,4 @@
-"""MOVEJ_SPLINE."""
+"""Specification of the command MOVEJ_SPLINE."""
 
 from yarclang.commands.spec import Arguments, CommandSpec, Values
 from yarclang.hir import SplineMove, Step

@@ -1,4 +1,4 @@
-"""MOVEJ_TIMED."""
+"""Specification of the command MOVEJ_TIMED."""
 
 from yarclang.commands.spec import Arguments, CommandSpec, Values
 from yarclang.hir import Step, TimedMove

@@ -1,4 +1,4 @@
-"""MOVEL."""
+"""Specification of the command MOVEL."""
 
 from yarclang.commands.spec import Arguments, CommandSpec, Values
 from yarclang.hir import LineMove, Step

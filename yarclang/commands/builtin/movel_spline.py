@@ -1,4 +1,4 @@
-"""MOVEL_SPLINE."""
+"""Specification of the command MOVEL_SPLINE."""
 
 from yarclang.commands.spec import Arguments, CommandSpec, Values
 from yarclang.hir import PoseSplineMove, Step

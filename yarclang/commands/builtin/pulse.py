@@ -1,4 +1,4 @@
-"""PULSE."""
+"""Specification of the command PULSE."""
 
 from yarclang.commands.spec import ActionArguments, ActionForm, ActionSpec
 from yarclang.hir import Action, Dwell, SetOutput, Signal

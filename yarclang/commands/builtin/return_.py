@@ -1,4 +1,4 @@
-"""RETURN."""
+"""Specification of the command RETURN."""
 
 from yarclang.commands.spec import ActionArguments, ActionForm, ActionSpec
 from yarclang.hir import Action, Exit

@@ -1,4 +1,4 @@
-"""SAY."""
+"""Specification of the command SAY."""
 
 from yarclang.commands.spec import ActionArguments, ActionForm, ActionSpec
 from yarclang.hir import Action, Say

@@ -1,4 +1,4 @@
-"""SET."""
+"""Specification of the command SET."""
 
 from yarclang.commands.spec import ActionArguments, ActionForm, ActionSpec
 from yarclang.decisions import is_group

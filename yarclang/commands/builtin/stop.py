@@ -1,4 +1,4 @@
-"""STOP."""
+"""Specification of the command STOP."""
 
 from yarclang.commands.spec import Arguments, CommandSpec
 from yarclang.hir import Step, Stop

@@ -1,4 +1,4 @@
-"""TOOL."""
+"""Specification of the command TOOL."""
 
 from yarclang.commands.spec import ActionArguments, ActionForm, ActionSpec, ToolChange
 from yarclang.hir import Action, SetOutput

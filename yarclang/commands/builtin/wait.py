@@ -1,4 +1,4 @@
-"""WAIT."""
+"""Specification of the command WAIT."""
 
 from yarclang.commands.spec import ActionArguments, ActionForm, ActionSpec
 from yarclang.hir import Action, Dwell, Signal, WaitInput

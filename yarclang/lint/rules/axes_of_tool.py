@@ -57,7 +57,9 @@ def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
 
 
 def _axis(goal: PoseDelta) -> int | None:
-    """Return the axis of an increment along a single axis; None if there are several, or if it rotates."""
+    """Return the number of the axis along which an increment shifts the frame; None if it shifts along
+    several axes, or rotates.
+    """
     moves = np.flatnonzero(goal.shift)
     return int(moves[0]) if len(moves) == 1 and np.array_equal(goal.turn, np.eye(3)) else None
 

@@ -50,8 +50,8 @@ def _placed(link: FrameLink) -> Array:
 
 
 def _length(robot: Robot) -> float:
-    """Return the largest distance of the flange from the first axis [m], with all prismatic joints
-    extended.
+    """Return the largest possible distance of the flange from the first joint axis [m], with all prismatic
+    joints extended.
     """
     limits = robot.limits
     travel = np.maximum(np.abs(limits.lower), np.abs(limits.upper))[robot.chain.is_prismatic]

@@ -35,7 +35,7 @@ def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
 
 
 def _near(motions: Sequence[PlannedMotion], limits: Limits, units: Array) -> Iterator[PlannedMotion]:
-    """Yield the motions with a way-point near a limit. All way-points are compared in one array."""
+    """Yield the motions with a way-point near a joint limit. All way-points are compared in one array."""
     if not motions:
         return
     q = np.concatenate([motion.waypoints for motion in motions])

@@ -34,7 +34,8 @@ def _look(program: Program, around: Surroundings) -> Iterator[Remark]:
 
 
 def _radian(values: Array) -> float | None:
-    """Return a value that is a multiple of 15 deg if read as rad; None if the values are plausible degrees.
+    """Return a joint value that looks like radians: as rad, it is a multiple of 15 deg. None if the values
+    are plausible degrees.
 
     They are plausible if one of them is large or is a round number of degrees.
 

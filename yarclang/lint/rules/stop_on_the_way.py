@@ -49,12 +49,13 @@ def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
 def _angle(
     first: PlannedMotion, second: PlannedMotion, ways: dict[int, tuple[Array, Array] | None]
 ) -> tuple[float | None]:
-    """Return the angle [rad] at which two Cartesian paths of one moving frame meet; (None,) for other paths.
+    """Return the angle [rad] between two Cartesian paths of one moving frame where the first ends and the
+    second begins; (None,) for other paths.
 
     Args:
         first: the motion before the stop.
         second: the motion after the stop.
-        ways: directions of motions by step, see `_ends`; the directions of both motions are added.
+        ways: cache of path directions by step, see `_ends`; the directions of both motions are added.
     """
     one, other = first.path, second.path
     if not isinstance(one, CartesianPath) or not isinstance(other, CartesianPath):

@@ -44,7 +44,9 @@ def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
 
 
 def _speed(robot: Robot, motion: PlannedMotion) -> float:
-    """Return the largest sampled speed [m/s] of the moving frame's origin; of {TCP} for joint motions."""
+    """Return the largest sampled speed [m/s] of the moving frame's origin; for joint motions, that of
+    {TCP}.
+    """
     path = motion.path
     frame: Array = robot.flange_from_frame.get("TCP", np.eye(4))
     if isinstance(path, CartesianPath):

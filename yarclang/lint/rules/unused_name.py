@@ -49,8 +49,8 @@ def _look(module: Module, around: Surroundings) -> Iterator[Remark]:  # noqa: AR
 
 
 def _without(one: Declared) -> Fix | None:
-    """Return the fix that removes a USE without comments; None for other lines, since their names may be
-    needed soon.
+    """Return the fix that removes an unused USE line without comments. None for other declarations, since
+    their names may be needed soon.
     """
     statement = one.statement
     if one.word != "USE" or statement.comments:

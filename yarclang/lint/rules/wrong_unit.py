@@ -37,7 +37,7 @@ def _look(program: Program, around: Surroundings) -> Iterator[Remark]:
 
 
 def _oddly_placed(program: Program, arm: float) -> dict[int, float]:
-    """Find motions with a pose that is implausibly near to {B} or far from it.
+    """Find motions to a pose that is implausibly near to {B} or far from it, as with a wrong unit of length.
 
     Args:
         program: the program.

@@ -1,1 +1,3 @@
-"""The features, one in each file. Each translates one kind of result of yarclang.assist or the pipeline."""
+"""The features of the language server, one in each file. Each translates one kind of result of
+yarclang.assist or of the compiler's stages.
+"""

@@ -123,8 +123,8 @@ def _fixable(document: Document, checked: Checked) -> bool:
 
 
 def _fix_all(uri: str) -> types.CodeAction:
-    """Return the action without its edit. The edit is computed on request, because each fix has to be
-    tried.
+    """Return the action that applies all fixes, without its edit. The edit is computed when the user selects
+    the action, because each fix has to be tried.
     """
     return types.CodeAction(title="apply all fixes that change no motion", kind=FIX_ALL, data={"uri": uri})
 

@@ -48,8 +48,8 @@ def _lenses(server: Server, params: types.CodeLensParams) -> list[types.CodeLens
 
 
 def _heads(view: View) -> list[int]:
-    """Return the line of the first motion of each paragraph. Lenses above all motions would hide the
-    program.
+    """Return the line of the first motion of each paragraph, for code lenses (clickable lines between the
+    program's lines). Lenses above all motions would hide the program.
     """
     found, has_lens = [], False
     for one in view.sketch.module.statements:

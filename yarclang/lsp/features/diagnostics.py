@@ -1,4 +1,6 @@
-"""Findings. The client pulls them, or they are pushed to clients that don't pull; never both."""
+"""Send the findings of a text to the client. The client pulls them, or they are pushed to clients that don't
+pull; never both.
+"""
 
 from __future__ import annotations
 

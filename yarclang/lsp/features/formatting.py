@@ -62,7 +62,9 @@ def _typed(server: Server, params: types.DocumentOnTypeFormattingParams) -> list
 
 
 def _last_line(line: int, column: int) -> int:
-    """Return the last line that an edit changes. The edit may end at the beginning of the line after it."""
+    """Return the last line that an edit changes. If the range of the edit ends at the beginning of a line,
+    this is the line before.
+    """
     return line - 1 if column == 1 else line
 
 

@@ -88,7 +88,9 @@ async def _done(session: Session, rest: str) -> None:  # noqa: ARG001
 
 
 async def _write_frame(session: Session, name: str, base_from_frame: Array) -> bool:
-    """Write a frame into the cell.toml if the cell defines it; otherwise as a FRAME line."""
+    """Write a calibrated frame into the cell.toml if the cell defines it; otherwise declare it by a FRAME
+    line.
+    """
     path = await cell_file(session)
     if path is not None and name in cell_of(session, path).frames:
         return await write_into_cell(session, path, name, base_from_frame, "B")
@@ -96,7 +98,9 @@ async def _write_frame(session: Session, name: str, base_from_frame: Array) -> b
 
 
 async def _write_tip(session: Session, name: str, touching: TipTouching) -> bool:
-    """Write a tool into robot.toml if it defines a frame of this name; otherwise as a FRAME line."""
+    """Write a calibrated tool into robot.toml if that file defines a frame of this name; otherwise declare it
+    by a FRAME line.
+    """
     assert touching.value is not None
     tip = touching.value.flange_from_tip
     robot = session.robot
@@ -163,7 +167,7 @@ def _name(words: list[str]) -> str:
 
 
 def _marks(robot: Robot, words: list[str]) -> dict[str, float]:
-    """Return joints and their positions at the marks, in deg or mm."""
+    """Parse the joints and their positions at the marks, in deg or mm, that a user has typed (J2 0 J3 90)."""
     if not words or len(words) % 2:
         raise Misused("joints and their positions at the marks are needed: J2 0 J3 90")
     marks = {}

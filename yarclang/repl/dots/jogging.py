@@ -36,9 +36,9 @@ async def _jog(session: Session, rest: str) -> None:
 
 
 async def _moved(session: Session, jogging: Jogging) -> None:
-    """Move the robot while keys are held, until the user or an event ends the jog.
+    """Jog: move the robot while keys are pressed, until the user or an event ends the jog.
 
-    When a key is released, the robot holds at once, without the delay of the controller's buffer.
+    When a key is released, the robot stops at once, without the delay of the controller's buffer.
     """
     loop = asyncio.get_running_loop()
     robot = session.attached
@@ -77,7 +77,7 @@ async def _at_rest(session: Session) -> None:
 
 
 async def _ended(session: Session) -> Finished:
-    """Wait for the end of the motion, and return it."""
+    """Wait for the end of the live motion, and return its result."""
     while session.ended_live is None:
         await asyncio.sleep(_LOOKED_EACH)
     return session.ended_live

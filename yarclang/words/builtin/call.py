@@ -1,4 +1,4 @@
-"""CALL."""
+"""Specification of the word CALL."""
 
 from yarclang.words.spec import WordSpec
 

@@ -1,4 +1,4 @@
-"""CASE."""
+"""Specification of the word CASE."""
 
 from yarclang.words.spec import WordSpec
 

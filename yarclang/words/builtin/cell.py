@@ -1,4 +1,4 @@
-"""CELL."""
+"""Specification of the word CELL."""
 
 from yarclang.words.spec import WordSpec
 

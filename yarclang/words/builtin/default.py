@@ -1,4 +1,4 @@
-"""DEFAULT."""
+"""Specification of the word DEFAULT."""
 
 from yarclang.words.spec import WordSpec
 

@@ -1,4 +1,4 @@
-"""ELSE."""
+"""Specification of the word ELSE."""
 
 from yarclang.words.spec import WordSpec
 

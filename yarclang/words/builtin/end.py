@@ -1,4 +1,4 @@
-"""END."""
+"""Specification of the word END."""
 
 from yarclang.words.spec import WordSpec
 

@@ -1,4 +1,4 @@
-"""FRAME."""
+"""Specification of the word FRAME."""
 
 from yarclang.words.spec import WordSpec
 

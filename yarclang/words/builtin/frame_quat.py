@@ -1,4 +1,4 @@
-"""FRAME_QUAT."""
+"""Specification of the word FRAME_QUAT."""
 
 from yarclang.words.spec import WordSpec
 

@@ -1,4 +1,4 @@
-"""FUNC."""
+"""Specification of the word FUNC."""
 
 from yarclang.words.spec import WordSpec
 

@@ -1,4 +1,4 @@
-"""IF."""
+"""Specification of the word IF."""
 
 from yarclang.words.spec import WordSpec
 

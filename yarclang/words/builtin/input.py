@@ -1,4 +1,4 @@
-"""INPUT."""
+"""Specification of the word INPUT."""
 
 from yarclang.words.spec import WordSpec
 

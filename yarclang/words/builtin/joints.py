@@ -1,4 +1,4 @@
-"""JOINTS."""
+"""Specification of the word JOINTS."""
 
 from yarclang.words.spec import WordSpec
 

@@ -1,4 +1,4 @@
-"""KEEP."""
+"""Specification of the word KEEP."""
 
 from yarclang.words.spec import WordSpec
 

@@ -1,4 +1,4 @@
-"""LET."""
+"""Specification of the word LET."""
 
 from yarclang.words.spec import WordSpec
 

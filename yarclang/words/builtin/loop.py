@@ -1,4 +1,4 @@
-"""LOOP."""
+"""Specification of the word LOOP."""
 
 from yarclang.words.spec import WordSpec
 

@@ -1,4 +1,4 @@
-"""OF."""
+"""Specification of the word OF."""
 
 from yarclang.words.spec import WordSpec
 

@@ -1,4 +1,4 @@
-"""OFFSET."""
+"""Specification of the word OFFSET."""
 
 from yarclang.words.spec import WordSpec
 

@@ -1,4 +1,4 @@
-"""ON."""
+"""Specification of the word ON."""
 
 from yarclang.words.spec import Slot, WordSpec
 

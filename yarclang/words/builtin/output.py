@@ -1,4 +1,4 @@
-"""OUTPUT."""
+"""Specification of the word OUTPUT."""
 
 from yarclang.words.spec import WordSpec
 

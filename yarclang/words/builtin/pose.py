@@ -1,4 +1,4 @@
-"""POSE."""
+"""Specification of the word POSE."""
 
 from yarclang.words.spec import WordSpec
 

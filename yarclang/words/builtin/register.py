@@ -1,4 +1,4 @@
-"""REGISTER."""
+"""Specification of the word REGISTER."""
 
 from yarclang.words.spec import WordSpec
 

@@ -1,4 +1,4 @@
-"""REPEAT."""
+"""Specification of the word REPEAT."""
 
 from yarclang.words.spec import WordSpec
 

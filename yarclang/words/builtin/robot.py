@@ -1,4 +1,4 @@
-"""ROBOT."""
+"""Specification of the word ROBOT."""
 
 from yarclang.words.spec import WordSpec
 

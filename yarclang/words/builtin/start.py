@@ -1,4 +1,4 @@
-"""START."""
+"""Specification of the word START."""
 
 from yarclang.words.spec import WordSpec
 

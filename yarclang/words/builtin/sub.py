@@ -1,4 +1,4 @@
-"""SUB."""
+"""Specification of the word SUB."""
 
 from yarclang.words.spec import WordSpec
 

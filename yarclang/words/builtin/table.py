@@ -1,4 +1,4 @@
-"""TABLE."""
+"""Specification of the word TABLE."""
 
 from yarclang.words.spec import WordSpec
 

@@ -1,4 +1,4 @@
-"""UNTIL."""
+"""Specification of the word UNTIL."""
 
 from yarclang.words.spec import Slot, WordSpec
 

@@ -1,4 +1,4 @@
-"""USE."""
+"""Specification of the word USE."""
 
 from yarclang.words.spec import WordSpec
 

@@ -1,4 +1,4 @@
-"""WHEN."""
+"""Specification of the word WHEN."""
 
 from yarclang.words.spec import Slot, WordSpec
 

@@ -1,4 +1,4 @@
-"""WHILE."""
+"""Specification of the word WHILE."""
 
 from yarclang.words.spec import Slot, WordSpec
 

@@ -206,8 +206,8 @@ class CellAllowance:
     Attributes:
         first: name of one body, in upper case.
         second: name of the other body, in alphabetical order after the first.
-        leads_to: the frame in which the goals of the motions are given; empty if any.
-        leaves: the frame in which the goal of the previous motion is given; empty if any.
+        leads_to: frame in which the goals of the motions are given; empty if `leaves` is given instead.
+        leaves: frame in which the goal of the previous motion is given; empty if `leads_to` is given instead.
         line: line of the entry in the cell's file.
     """
 

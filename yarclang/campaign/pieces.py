@@ -1,4 +1,4 @@
-"""Results of checked programs, and their sums."""
+"""Results of checked random programs, and sums of these results."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 _MOST_FINDS = 1000
-"""Most faulty programs that are listed for all programs together."""
+"""Largest number of faulty programs that are kept in a sum."""
 
 
 class Find(NamedTuple):
@@ -33,20 +33,22 @@ class Worst(NamedTuple):
 
 @dataclass
 class Piece:
-    """Sum of the results of programs with consecutive seeds.
+    """Sum of the results of random programs with consecutive seeds.
 
     Attributes:
         first: the first seed.
         count: number of programs.
         compiled: number of programs that compile.
-        refused: numbers of programs that don't compile, by the code of their first error.
-        drawn: numbers of motions in all programs, by the names under which they are counted.
-        motions: numbers of motions in programs that compile, by the names under which they are counted.
+        refused: for each error code, the number of programs that don't compile and whose first error has
+            this code.
+        drawn: number of motions of each kind in all programs, whether they compile or not. A kind is a name
+            under which motions are counted; a motion may have several.
+        motions: number of motions of each kind in the programs that compile.
         microseconds: time of all motions in programs that compile [us]. It is an integer, so that the sum
             doesn't depend on the order.
-        worst: the largest used shares of tolerances and limits, by name.
+        worst: for each tolerance and limit, the largest share of it that any program has used.
         finds: programs that have faults; at most `_MOST_FINDS`.
-        found: number of programs that have faults, including those that are no longer in `finds`.
+        found: number of programs that have faults, including those that aren't in `finds`.
         seconds: processor time of the work [s].
     """
 
@@ -90,7 +92,9 @@ class Piece:
             self.finds.append(Find(seed, robot, faults))
 
     def _count(self, name: str, one: Worst) -> None:
-        """Keep the largest share; of equal shares, the one with the smallest seed."""
+        """Keep the largest used share of a tolerance or limit; of equal shares, the one with the smallest
+        seed.
+        """
         known = self.worst.get(name)
         if known is None or (one.share, -one.seed) > (known.share, -known.seed):
             self.worst[name] = one

@@ -189,9 +189,15 @@ class Part:
 
 @frozen
 class Touch:
-    """Two bodies whose distance may be smaller than their margins, down to `least` [m].
+    """A workpiece and another body that are allowed to come nearer to each other than their margins while the
+    workpiece is taken or put down.
 
-    `other` is None for everything on the flange. If `least` is minus infinity, the two bodies may overlap.
+    Attributes:
+        part: name of the workpiece.
+        other: name of the other body. None means all bodies on the flange that aren't workpieces, such as the
+            gripper.
+        least: smallest allowed distance [m]. It is negative if the bodies may overlap to some depth, and
+            minus infinity if they may overlap to any depth.
     """
 
     part: str
@@ -201,13 +207,16 @@ class Touch:
 
 @frozen
 class CellAllowance:
-    """A pair of bodies that may touch during motions that lead to a frame, or that leave it.
+    """A pair of bodies that are allowed to touch during motions that lead to a frame, or during motions that
+    leave a frame.
 
     Attributes:
         first: name of one body, in upper case.
         second: name of the other body, in alphabetical order after the first.
-        leads_to: frame in which the goals of the motions are given; empty if `leaves` is given instead.
-        leaves: frame in which the goal of the previous motion is given; empty if `leads_to` is given instead.
+        leads_to: name of the frame for motions that lead to it: their goals are given in this frame. Empty if
+            `leaves` is given instead.
+        leaves: name of the frame for motions that leave it: the goal of the previous motion is given in this
+            frame. Empty if `leads_to` is given instead.
         line: line of the entry in the cell's file.
     """
 
@@ -255,8 +264,8 @@ class Item:
 
 @frozen
 class Expected:
-    """A workpiece that comes when the previous one has been taken away: number `number` of its kind, after
-    the SET at step `taken`.
+    """A workpiece that is still to come: number `number` of its kind. It appears once the previous workpiece,
+    which is taken by the SET at step `taken`, no longer blocks its place.
     """
 
     part: Part
@@ -286,10 +295,10 @@ class Parts:
 
 @frozen
 class Leaving:
-    """A gripper that has taken or put down workpieces, and hasn't moved away from them yet.
+    """A gripper that has taken or put down workpieces, and is still near them.
 
-    `moved` are the names of the workpieces, `closes` is True if the gripper took them, `touches` are the
-    bodies that may touch until it has moved away.
+    `moved` are the names of the workpieces. `closes` is True if the gripper took them, and False if it put
+    them down. `touches` are the pairs of bodies that are allowed to touch until the gripper has left.
     """
 
     moved: tuple[str, ...]

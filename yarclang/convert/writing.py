@@ -95,8 +95,11 @@ def program_text(
 
 
 def _form(course: Course, wishes: Wishes) -> Form:
-    """Return how a course is passed (moves, spline or timed): as the user wishes, or else as its values and
-    times allow.
+    """Return the form in which a motion is written: moves (a stop at each target), spline (through all
+    targets without a stop) or timed (through all targets at their times).
+
+    This is the form that the user has chosen. Without a choice, it is moves for a motion without times,
+    timed for joint values if the user has given no duration, and otherwise spline.
     """
     if wishes.form is not None:
         return wishes.form
@@ -155,14 +158,15 @@ def _spline(
     """Return the program lines of a motion through all targets without a stop, the next index, and the last
     target.
 
-    The motion takes the time from the first to the last target. The first course of joint values begins at
-    START. Before any other course, a move leads to its beginning, unless the robot is there.
+    The motion takes the time from the first to the last target. If it is the program's first motion and has
+    joint values, the program begins at its first target (START). Otherwise a move to its first target is
+    written before it, unless the robot is already there.
 
     Args:
-        course: the course (the motion).
+        course: the motion.
         index: number of the first command's index.
-        here: (k,) end of the course before; None without one.
-        is_first: True for the first course.
+        here: (k,) last target of the motion before; None for the first motion.
+        is_first: True for the first motion.
         wishes: the options.
     """
     cells = rows_of(course.values, course.target)
@@ -202,7 +206,7 @@ def _positions(positions: Sequence[tuple[str, Array]]) -> list[str]:
 
 
 def _without_repeats(course: Course) -> Course:
-    """Return the course without targets that equal the target before them, unless they have a name."""
+    """Return the motion without targets that equal the target before them, unless they have a name."""
     moved = np.abs(np.diff(course.values, axis=0)).max(axis=1) > SAME_PLACE
     if course.names:
         moved |= np.array([bool(name) for name in course.names[1:]], dtype=bool)
@@ -210,7 +214,7 @@ def _without_repeats(course: Course) -> Course:
 
 
 def _about_times(course: Course, robot: Robot, wishes: Wishes) -> Iterator[str]:
-    """Yield remarks about the times of a course that is passed without a stop."""
+    """Yield remarks about the times of a motion that goes through its targets without a stop."""
     if course.size < 3:
         return
     yield "All points are passed in one go: the arm speeds up once and slows down once."

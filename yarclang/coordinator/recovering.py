@@ -1,5 +1,5 @@
-"""Recovery of a program from any position of the robot: a proved motion to the program's start, or to the
-nearest position at which the program can begin, as an offer.
+"""Recovery of a program from any position of the robot: plan and prove a motion to the program's start or, if
+that is impossible, to the nearest position at which the program can begin. The motion is only offered.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ file places them.
 
 
 def find_recovery(robot: Robot, loaded: Loaded, position: Array, now: Now) -> Result[Recovery]:
-    """Find a command of a program to whose beginning the robot can move.
+    """Find a command of a program to whose start the robot can move from its position.
 
     Args:
         robot: the robot.
@@ -38,7 +38,7 @@ def find_recovery(robot: Robot, loaded: Loaded, position: Array, now: Now) -> Re
         now: returns a cell with its parts at their present places.
 
     Returns:
-        The command, with the motion to its beginning; findings instead if no motion is proved.
+        The command, with the motion to its start; findings instead if no motion is proved.
     """
     plan, around = loaded.plan, None if loaded.around is None else replace(loaded.around, present=None)
     is_named = loaded.first_step is not None and bool(loaded.spans)
@@ -62,10 +62,13 @@ def find_recovery(robot: Robot, loaded: Loaded, position: Array, now: Now) -> Re
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Recovered:
-    """The result of a search for a motion to a program.
+    """The result of a search for a motion to a position at which a program can begin.
 
-    `found` is the command to whose beginning the robot can move, and `offer` the motion to it (None: the
-    robot is already there). `found` is None if no motion is proved; then `findings` are the reasons.
+    Attributes:
+        found: the command with which the program can begin, and the motion to the start of this command;
+            None if no such motion is proved.
+        offer: the offer of this motion; None if there is no such motion, or if the robot is already there.
+        findings: the reasons if no motion is proved.
     """
 
     found: Recovery | None

@@ -37,7 +37,9 @@ _ENOUGH = 0.02
 _SOME = 4_000
 """Number of triangles from which the cuts are chosen."""
 _WORTH = 0.1
-"""A cut whose gain is less than this share of the excess volume is replaced by halving."""
+"""If the best plane reduces the volume by less than this share of the excess volume, the cell is halved
+instead.
+"""
 _TINY = 0.002
 """A piece is not cut again if its excess volume is less than this share of the volume of the whole hull."""
 _INWARDS = 5e-7
@@ -203,11 +205,13 @@ def _flats(triangles: Array) -> tuple[Array, ...]:
 
 
 def _best_cut(cell: _Cell, flats: tuple[Array, ...]) -> tuple[int, float] | None:
-    """Return the plane that cuts a cell into the smallest pieces: the axis to which it is perpendicular, and
-    its coordinate.
+    """Return the plane that best cuts a cell in two: the axis to which it is perpendicular, and its
+    coordinate on this axis.
 
-    Of planes that are equally good, the one nearest to the middle is chosen. If no plane gains much, as for a
-    ring, the result is the middle of the longest edge. It is None if the cell is too thin to be cut.
+    The best plane is the one for which the convex hulls of the two halves have the smallest volume in total;
+    of equally good planes, the one nearest to the middle of the cell. If even the best plane reduces the
+    volume only a little (`_WORTH`), as for a ring, the cell is halved instead: by the plane perpendicular to
+    its longest edge, through the middle of this edge. The result is None if the cell is too thin to be cut.
     """
     points = cell.triangles.reshape(-1, 3)
     best: tuple[float, float, int, float] | None = None
@@ -352,7 +356,9 @@ def _volume(points: Array) -> float:
 
 
 def _thick(points: Array) -> Array:
-    """Return points (V, 3), shifted to both sides in each direction in which together they are too thin."""
+    """Return points (V, 3) with a thickness of at least `_THIN` in each direction: where they are thinner,
+    each point is replaced by two, shifted to both sides.
+    """
     middle = points.mean(axis=0)
     _, _, axes = np.linalg.svd(points - middle, full_matrices=False) if len(points) > 2 else (0, 0, np.eye(3))
     for axis in axes:

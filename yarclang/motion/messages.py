@@ -1,4 +1,8 @@
-"""Word the planner's findings about times and speeds: code, one sentence with figures, place, remedy, fix."""
+"""Make the planner's findings about times and speeds.
+
+The functions return a `Message`: the finding's code, a sentence with numbers, the place in the source, the
+advice for the user, and an automatic fix if there is one.
+"""
 
 from __future__ import annotations
 

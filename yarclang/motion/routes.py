@@ -129,7 +129,7 @@ class Router:
     _choices: dict[int, Array] = field(default_factory=dict)
     """Solutions taken instead of the nearest one, by step."""
     _in_vain: set[tuple[SourceFile, Span]] = field(default_factory=set)
-    """Commands for which a search found nothing."""
+    """Commands for which a search has found no result."""
     _handling: Handling = field(init=False)
     _grasps: dict[int, Grasp] = field(default_factory=dict)
     """The effects of SETs of grippers, by step."""
@@ -386,8 +386,8 @@ class Router:
     def _from_anywhere(
         self, solver: Solver, number: int, step: Motion, before: _Stand, findings: Collector
     ) -> Done:
-        """Check a motion from an unknown position as far as possible: if its poses are in reach at all, and
-        if there is a path of the moving frame.
+        """Check as much of a motion as is possible if the robot's position before it is unknown: if the poses
+        are in reach at all, and if the moving frame has a path to its goal.
         """
         flange = None if before.flange is None else before.flange.tobytes()
         key = ("anywhere", self.robot, flange, key_of(step), solver.measures)
@@ -402,11 +402,11 @@ class Router:
     def _goals_from_anywhere(
         self, solver: Solver, number: int, step: Motion, before: _Stand, findings: Collector
     ) -> tuple[Array | None, Array | None, FrameWay | None]:
-        """Return what is known of the end of a motion from an unknown position.
+        """Return what is known about the end of a motion if the robot's position before it is unknown.
 
         Returns:
-            The joint position (n,), the flange's pose (4, 4), and the path of the moving frame; None for each
-            that isn't known.
+            The joint position at the end (n,), the flange's pose at the end (4, 4), and the moving frame's
+            path in space; None for each that isn't known.
         """
         if isinstance(step, TimedMove):
             return step.table.positions[-1], None, None

@@ -17,7 +17,7 @@ FEWEST_IN_BLEND = 2
 """Least number of segments of a blend: two ramps of one segment."""
 
 _ROUNDING = 1e-9
-"""Bound of the rounding error of a difference of numbers of segments."""
+"""Largest rounding error of a difference of two numbers of segments."""
 
 
 def trapezoid(segments: int, blend: int, ramp: int) -> Array:
@@ -26,7 +26,7 @@ def trapezoid(segments: int, blend: int, ramp: int) -> Array:
     The acceleration is linear between knots, so the spline is exactly the profile.
 
     Args:
-        segments: n, at least twice the blend.
+        segments: n, the number of segments of the motion, at least twice the blend.
         blend: number of segments of speeding up, at least twice the ramp.
         ramp: number of segments in which the acceleration rises.
     """
@@ -43,15 +43,17 @@ def trapezoid(segments: int, blend: int, ramp: int) -> Array:
 
 
 def cruising(segments: int, cruise: float, ramp: int) -> Array:
-    """Return the control values (n + 3,) of a profile whose cruise would take the whole path in `cruise`
-    segments, an integer or not.
+    """Return the control values (n + 3,) of a profile that speeds up, moves at full speed and slows down.
 
-    If the length of the blend, n - cruise, lies between two integers, the profile mixes the blends of both.
+    The full speed is given by `cruise`: the number of segments in which the robot would cover the whole path
+    at full speed. It needn't be an integer. Speeding up takes n - cruise segments, and so does slowing down.
+    If this length isn't an integer, the accelerations are a mixture of those for the two nearest integer
+    lengths.
 
     Args:
-        segments: n, at least two more than `cruise` and at most twice as many.
-        cruise: number of segments that the whole path takes at full speed.
-        ramp: number of segments in which the acceleration rises, at most half of the blend.
+        segments: n, the number of segments of the motion, at least `cruise` + 2 and at most 2 `cruise`.
+        cruise: number of segments in which the whole path would be covered at full speed.
+        ramp: number of segments in which the acceleration rises, at most half of n - cruise.
     """
     # The pulse has the sum 1, so the law gains the speed of one path per `cruise` segments.
     rise = _pulse(segments, segments - cruise, ramp)
@@ -62,8 +64,8 @@ def cruising(segments: int, cruise: float, ramp: int) -> Array:
 class Ramp:
     """A speed ramp: speeding up or slowing down.
 
-    The ramp begins at the time `start` [segments], at a knot or not, and takes `width` segments. The
-    acceleration rises in `rise` of them and falls in as many.
+    The ramp begins at the time `start` [segments], which needn't be a knot, and takes `width` segments. The
+    acceleration rises in `rise` of these segments, and falls in as many.
     """
 
     start: float
@@ -79,10 +81,11 @@ class Ramp:
 def between_ramps(segments: int, first: Ramp, last: Ramp) -> Array:
     """Return the control values (n + 3,) of a profile that speeds up in one ramp and slows down in another.
 
-    The time between the middles of the two ramps is the time that the whole path takes at full speed.
+    The time between the middles of the two ramps is the time in which the whole path would be covered at full
+    speed.
 
     Args:
-        segments: n; both ramps are within the n segments.
+        segments: n, the number of segments of the motion; both ramps are within these segments.
         first: the ramp that speeds up.
         last: the ramp that slows down.
     """
@@ -95,10 +98,11 @@ def to_rest(segments: int, first: Ramp, cruise: float, rise: int) -> Array:
     the end of its last segment.
 
     Args:
-        segments: n, the number of segments.
+        segments: n, the number of segments of the motion.
         first: the ramp that speeds up.
-        cruise: number of segments that the whole path would take at full speed, an integer or not.
-        rise: number of segments in which the acceleration rises and falls while slowing down.
+        cruise: number of segments in which the whole path would be covered at full speed; it needn't be an
+            integer.
+        rise: number of segments in which the deceleration rises, and in which it falls.
     """
     width = 2.0 * (segments - first.middle - cruise)
     return _of_accelerations((_shifted(segments, first) - _pulse(segments, width, rise)[::-1]) / cruise)
@@ -107,7 +111,7 @@ def to_rest(segments: int, first: Ramp, cruise: float, rise: int) -> Array:
 def _shifted(segments: int, ramp: Ramp) -> Array:
     """Return the accelerations (n + 1,) at the knots in one speed ramp, scaled to the sum 1.
 
-    They are a mixture of two ramps that begin at integer knots.
+    If the ramp begins between two knots, the result is a mixture of the ramps that begin at these knots.
     """
     whole = int(ramp.start + _ROUNDING)
     later = max(ramp.start - whole, 0.0)
@@ -125,7 +129,7 @@ def _shifted(segments: int, ramp: Ramp) -> Array:
 def _pulse(segments: int, blend: float, ramp: int) -> Array:
     """Return the accelerations (n + 1,) at the knots while speeding up from knot 0 on, scaled to the sum 1.
 
-    They are a mixture of two blends of integer length.
+    If `blend` isn't an integer, the result is a mixture of the accelerations for the two nearest integers.
     """
     whole = int(blend + _ROUNDING)
     longer = max(blend - whole, 0.0)
@@ -151,7 +155,7 @@ def _of_accelerations(accelerations: Array) -> Array:
 def trapezoid_strain(segments: int, forms: NDArray[np.int64]) -> Array:
     """Return the peaks (K, 3) of velocity, acceleration and jerk of trapezoidal profiles with `forms` (K, 2).
 
-    They are relative to the distance, in units of segments.
+    The unit of length is the length of the path, and the unit of time is one segment.
     """
     blend, ramp = forms.T
     velocity = 1.0 / (segments - blend)

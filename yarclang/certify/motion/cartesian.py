@@ -31,7 +31,9 @@ from yarclang.progress import go_on
 from yarclang.robot.model import Array, Robot
 
 REMAINDER_SHARE = 0.02
-"""Share of the tolerance that the remainder of the proof may take. It determines the number of pieces."""
+"""Share of the tolerance that the remainder of the proof (the bound of the error between sampled points) may
+take. It determines the number of pieces.
+"""
 _AT_ONCE = 8_192
 """Number of pieces that are bounded in one step, so that memory does not grow with the length of a motion."""
 MOST_PIECES = 32
@@ -40,17 +42,18 @@ MOST_PIECES = 32
 
 @frozen(eq=False)
 class Stretch:
-    """The segments of C Cartesian commands, one command after the other, with what is asked of them.
+    """The executed segments of C consecutive Cartesian commands, with the requirements on them.
 
     Attributes:
-        cubics: all segments.
-        first: (C,) first segment of each command.
+        cubics: the segments of all commands.
+        first: (C,) index of the first segment of each command.
         follow: (C, 2) range of the segments that follow the programmed path; the others belong to a blend.
         free: (C, 2) True in the first column if a blend joins the path after its start, and in the second
-            column if a blend leaves it before its end.
-        tolerance: (C,) distance for which the proof should be sharp [m].
-        angle: (C,) angle for which the proof should be sharp [rad].
-        speed: the programmed speeds.
+            column if a blend leaves the path before its end.
+        tolerance: (C,) tolerance of the position [m]. The number of pieces is chosen so that the remainder of
+            the proof is a small share of it, `REMAINDER_SHARE`.
+        angle: (C,) tolerance of the angle [rad], used in the same way as `tolerance`.
+        speed: the programmed speeds of the C commands.
     """
 
     cubics: Cubics

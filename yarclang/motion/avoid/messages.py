@@ -1,4 +1,4 @@
-"""Word findings about detours around obstacles and blocked arm configurations; see
+"""Make findings about detours around obstacles and blocked arm configurations; see
 `yarclang.motion.messages`.
 """
 

@@ -1,4 +1,4 @@
-"""Word findings about motions that flow into each other; see `yarclang.motion.messages`."""
+"""Make findings about motions that flow into each other; see `yarclang.motion.messages`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Word findings about the goals of motions and their arm configurations; see `yarclang.motion.messages`."""
+"""Make findings about the goals of motions and their arm configurations; see `yarclang.motion.messages`."""
 
 from __future__ import annotations
 

@@ -70,8 +70,8 @@ class TrajectoryFile:
         Args:
             robot: the robot whose joints the columns are.
             units: units by kind for columns that don't name their unit; may be empty.
-            own: kinds of unit that the program's line names itself; the file must not name other units of
-                these kinds.
+            own: kinds of unit (length, angle, time) for which the program's line names the unit itself; the
+                file must not name other units of these kinds.
 
         Returns:
             The timetable in SI; None if the file has errors, with findings at their places in the file.
@@ -173,15 +173,16 @@ def split_unit(cell: str) -> tuple[str, str]:
 
 
 def unit_of(text: str, kind: Kind, order: int) -> Unit | None:
-    """Read the unit of a column.
+    """Read the unit of a joint's column: positions, velocities or accelerations.
 
     Args:
         text: text in the brackets, such as `deg` or `deg/s`.
-        kind: kind of unit of the joint's value itself.
-        order: 0 for the value, 1 for its velocity, 2 for its acceleration.
+        kind: kind of the unit of the joint's position: an angle or a length.
+        order: 0 for a column of positions, 1 for velocities, 2 for accelerations.
 
     Returns:
-        The unit of the value itself, such as `deg` for `deg/s`; None if the text is no unit of such a column.
+        The unit of the position, without `/s` or `/s^2`: `deg` for `deg/s`. None if the text isn't a unit
+        that fits `kind` and `order`.
     """
     if order:
         found = _PER_S.fullmatch(text)

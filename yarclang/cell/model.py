@@ -189,13 +189,13 @@ class Part:
 
 @frozen
 class Touch:
-    """A workpiece and another body that are allowed to come nearer to each other than their margins while the
-    workpiece is taken or put down.
+    """A workpiece and another body that are allowed to come nearer to each other than their margins, mostly
+    because the workpiece is being taken or put down.
 
     Attributes:
         part: name of the workpiece.
         other: name of the other body. None means all bodies on the flange that aren't workpieces, such as the
-            gripper.
+            gripper. The name of the workpiece itself means its other possible places.
         least: smallest allowed distance [m]. It is negative if the bodies may overlap to some depth, and
             minus infinity if they may overlap to any depth.
     """

@@ -68,7 +68,7 @@ class Recovered:
         found: the command with which the program can begin, and the motion to the start of this command;
             None if no such motion is proved.
         offer: the offer of this motion; None if there is no such motion, or if the robot is already there.
-        findings: the reasons if no motion is proved.
+        findings: findings about the motion; if no motion is proved, they give the reasons.
     """
 
     found: Recovery | None

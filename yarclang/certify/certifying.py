@@ -56,7 +56,7 @@ def certify(
             edited comments may have moved the commands.
 
     Returns:
-        The certificate, also if violations are proved (they are errors among the findings). None if the text
+        The certificate, even if violations are proved (they are errors among the findings). None if the text
         cannot be read, or if its commands are not the program's.
     """
     content = reader_of(robot.controller).read(text, robot.controller, memory)

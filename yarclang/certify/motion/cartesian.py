@@ -96,17 +96,22 @@ def follow(
 ) -> Followed:
     """Bound the deviation of moving frames from their programmed paths.
 
+    Notation: q(t) are the executed joint positions; p(q) and R(q) are the position and the rotation matrix of
+    the moving frame; P(s) and R*(s) are the position and the rotation matrix of the programmed path at its
+    parameter s; primes are derivatives; d is the duration of a piece of a segment.
+
     For any parameter s(t) that grows from 0 to 1, the distance at equal t bounds the distance between the
     paths. Here s(t) is piecewise cubic. At the points between pieces, s is the projection of the executed
     pose onto the programmed path, with position and angle weighted by their tolerances. On a piece, s(t) is
     the cubic Hermite interpolation of these values.
 
     On a piece, e(t) = p(q(t)) - P(s(t)) is at most its largest Bezier point plus the remainder d^4/384 M4. M4
-    is the sum of the bounds for the arm's fourth derivative and for the path's, which is zero for a line.
-    Where s passes a jump of P''', e''' jumps by s'^3 times that jump. For the turn, D = R(q(t)) - R*(s(t))
-    has the Frobenius norm 2 sqrt 2 sin(angle/2), and pieces are bounded in that norm.
+    is the sum of the bounds for the fourth derivatives of p(q(t)) and of P(s(t)); for a line, the second
+    bound is zero. Where s passes a jump of P''', e''' jumps by s'^3 times that jump. For the turn, D =
+    R(q(t)) - R*(s(t)) has the Frobenius norm 2 sqrt 2 sin(angle/2), and pieces are bounded in that norm.
 
-    If a blend precedes or follows a command, s runs from where the path is joined to where it is left.
+    If a blend precedes or follows a command, s runs only from where the blend joins the path to where the
+    next blend leaves it.
 
     Args:
         stretch: the segments of all C commands.

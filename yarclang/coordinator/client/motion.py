@@ -166,7 +166,7 @@ class Motion(Part):
         """Carry an offer out: accept its declarations, and execute its motions.
 
         Returns:
-            The outcome, also if the motion ended early, for example by a stop.
+            The outcome, even if the motion ended early, for example by a stop.
 
         Raises:
             NotOwner: this client only watches.

@@ -107,8 +107,9 @@ def _check_joints(file: TomlFile, draft: RobotDraft, chain: Sequence[Joint] | No
 
 
 def _check_joint(file: TomlFile, draft: RobotDraft, name: str, table: JointTable, kind: str) -> None:
-    """Check the position limits of a joint, in its table [joints.NAME] of robot.toml. `kind` is the type that
-    the URDF gives this joint; it is empty if the URDF's chain has no joint of this name.
+    """Check the position limits of a joint, in its table [joints.NAME] of robot.toml. `kind` is the type
+    that the URDF gives this joint. It is empty if the chain has no joint of this name, and "revolute" if
+    the chain isn't known.
     """
     path: Path = ("joints", name, "position")
     limits = table.position

@@ -363,14 +363,13 @@ def error(state: State, path: State, rate: int) -> State:
 
 
 def speeds_on(found: Distance) -> tuple[int, int]:
-    """Return a lower and an upper bound of the speed of a frame's origin during a time interval of duration
-    d.
+    """Return a lower and an upper bound of the speed of a frame's origin in a time interval of duration d.
 
     Let v and w be the velocities at the interval's ends. The cubic polynomial that has the origin's positions
-    and velocities at both ends (the Hermite cubic) has a parabola as its velocity; the control points of this
-    parabola in Bezier form are v, m, w. The squared length of the parabola lies between the least and the
-    largest of its own Bezier coefficients. The true velocity differs from the parabola by at most sqrt(3) /
-    216 d^3 times the largest fourth derivative of the position, which both bounds allow for.
+    and velocities at both ends (the Hermite cubic) has a parabola as its velocity, with the Bezier points v,
+    m, w. The squared length of the parabola lies between the least and the largest of its own Bezier
+    coefficients. The true velocity differs from the parabola by at most sqrt(3) / 216 d^3 times the largest
+    fourth derivative of the position; both bounds allow for this.
     """
     (begin, v), (end, w), d = found.here[0], found.then[0], above(found.piece.d)
     m = [(3 * (b - a) << BITS) // d - x - y for a, b, x, y in zip(begin, end, v, w, strict=True)]

@@ -41,9 +41,7 @@ def _ranges(
     parameter: click.Parameter,  # noqa: ARG001
     values: tuple[str, ...],
 ) -> tuple[tuple[str, float, float], ...]:
-    """Return the ranges of --within: each an axis, and the smallest and the largest shift along or about
-    it.
-    """
+    """Return the ranges of --within: each an axis, and the least and the largest shift along or about it."""
     found: dict[str, tuple[str, float, float]] = {}
     for value in values or ("X=-300:300", "Y=-300:300"):
         match = _RANGE.fullmatch(value.strip())

@@ -1,5 +1,5 @@
-"""Bound how far, and with which acceleration, any point of a body moves when the joints move by given
-amounts, whatever postures are in between.
+"""Upper bounds, for joints that move by given amounts: how far any point of a body moves, and with which
+acceleration. They hold for all postures on the way.
 """
 
 from __future__ import annotations
@@ -13,16 +13,17 @@ from yarclang.shapes import Array
 def travel(placed: Placed, change: Array) -> Array:
     """Return upper bounds of the distance that any point of each body moves when joints move.
 
-    Let the joints move one after the other, beginning at the base. Each joint turns the body about its axis
-    on a circle with the present radius, since the joints before it have moved axis and body together. The sum
-    of these motions is therefore a bound for any postures in between.
+    Let the joints move one after the other, beginning at the base. Each joint turns the body about the
+    joint's axis. The body's distance from this axis is still that of the posture `placed`, since the joints
+    that have moved before have moved axis and body together. So the sum of these motions is a bound, whatever
+    postures the arm passes through.
 
     Args:
         placed: the arm at P joint positions.
         change: (P, n) the largest motion of each joint from there [rad or m].
 
     Returns:
-        (n + 1, M, P) [m]: row k relative to a body that only the first k joints move.
+        (n + 1, M, P) [m]: row k has the motion relative to a body that only the first k joints move.
     """
     arms = arm_lengths(placed)
     steps = np.zeros((len(arms) + 1, *arms.shape[1:]))
@@ -33,9 +34,10 @@ def travel(placed: Placed, change: Array) -> Array:
 
 
 def arm_lengths(placed: Placed) -> Array:
-    """Return the largest distance of any point of each body from the axis of each joint, (n, M, P) [m].
+    """Return the largest distance of any point of each body from the axis of each joint, (n, M, P) [m]: the
+    distance that the point moves per unit of the joint's motion.
 
-    The value is 1 for a prismatic joint, and 0 for a joint that doesn't move the body.
+    It is 1 for a prismatic joint, and 0 for a joint that doesn't move the body.
     """
     scene, chain = placed.scene, placed.scene.chain
     bodies, count = placed.middle.shape[:2]
@@ -61,20 +63,25 @@ def arm_lengths(placed: Placed) -> Array:
 
 
 def accelerations(placed: Placed, speed: Array, strength: Array, change: Array) -> Array:
-    """Return upper bounds of the acceleration of any point of each body, (n + 1, M, P) [m/s^2], on P pieces
-    of a motion's time.
+    """Return upper bounds of the acceleration of any point of each body during P time intervals of a motion.
 
-    Row k is relative to a body that only the first k joints move. The second derivative of a point with
-    respect to two joints is a double cross product with their axes. Its length is at most the point's
-    distance from one of the axes, the one that is nearer to the point in the chain. The sum over the joints k
-    is r_k (|q''_k| + |q'_k|² + 2 |q'_k| Σ |q'_j|), over the revolute joints j between. If one of the joints
-    is prismatic, the derivative is at most 1; it is zero if both are.
+    The joints are numbered from 0. For joints j ≤ i, the second derivative of a point's position with respect
+    to q_j and q_i is a double cross product with the axes of both joints. Its length is at most r_i, the
+    largest distance of any point of the body from the axis of joint i. If joint i is prismatic, the length is
+    at most r_i = 1; if joint j < i is prismatic, or i = j is, the second derivative is 0.
+
+    Row k has the acceleration relative to a body that only the first k joints move. It is at most the sum,
+    over the joints i ≥ k, of r_i (|q''_i| + |q'_i|² + 2 |q'_i| Σ |q'_j|). Here Σ goes over the revolute
+    joints j with k ≤ j < i, and |q'_i|² is left out if joint i is prismatic.
 
     Args:
-        placed: the arm in the middles of the P pieces.
-        speed: (P, n) largest |velocity| of each joint on the pieces.
-        strength: (P, n) largest |acceleration| of each joint on the pieces.
-        change: (P, n) the largest motion of each joint from the middle of its piece.
+        placed: the arm in the middle of each interval.
+        speed: (P, n) largest |q'| of each joint in each interval.
+        strength: (P, n) largest |q''| of each joint in each interval.
+        change: (P, n) the largest motion of each joint from the middle of each interval.
+
+    Returns:
+        (n + 1, M, P) [m/s²], for the n + 1 rows k, the M bodies and the P intervals.
     """
     chain = placed.scene.chain
     arms = arm_lengths(placed)

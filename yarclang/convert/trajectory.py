@@ -249,7 +249,7 @@ def _order(
 
 
 def _number(value: Any) -> float | None:
-    """Return a finite number from a number or its text; None for anything else."""
+    """Return a finite number that is given as a number or as its text; None for anything else."""
     if isinstance(value, str) and _NUMBER.fullmatch(value):
         value = float(value)
     if isinstance(value, bool) or not isinstance(value, (int, float)):
@@ -258,9 +258,13 @@ def _number(value: Any) -> float | None:
 
 
 def _time(value: Any) -> float | None:
-    """Return a duration of ROS 1 or ROS 2, or a number, in seconds.
+    """Return a time in seconds.
 
-    A missing duration is 0; for a malformed one the result is None.
+    Args:
+        value: a duration as ROS 1 or ROS 2 writes it, or a number of seconds; None: the duration is missing.
+
+    Returns:
+        The time [s]; 0 if the duration is missing, None if it is malformed.
     """
     if value is None:
         return 0.0

@@ -43,7 +43,7 @@ APPROACH = "approach"
 Behind = Callable[[int, Array, "tuple[int, ...] | None"], "Replanned | str"]
 """Function that plans while a program runs: the rest of the program after a search, or the motions of an
 OFFSET. Its arguments are the number of the search or of the first motion, the robot's position (n,) [rad or
-m], and the values of an OFFSET's registers (None: after a search).
+m], and the values of the OFFSET's registers (None after a search).
 """
 
 
@@ -91,13 +91,14 @@ class Loaded:
 
     @property
     def around(self) -> Cell | None:
-        """Return the cell of the program."""
+        """Return the cell of the program; None if it has none."""
         return self.plan.program.cell if self.plan is not None else self.cell
 
     @property
     def around_start(self) -> Cell | None:
-        """Return the cell for planning the motion to the start of `rest`, with its parts in the places that
-        the proof assumes there.
+        """Return the cell with which the motion to the start of `rest` (the job that is run first) is
+        planned: the cell's parts are in the places that the proof assumes at that start. None if there is no
+        cell.
         """
         if self.around is None or self.assumed is None:
             return self.around

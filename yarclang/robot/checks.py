@@ -61,8 +61,10 @@ def _likely_size(draft: RobotDraft, tables: int) -> int:
 
 
 def _check_joints(file: TomlFile, draft: RobotDraft, chain: Sequence[Joint] | None) -> tuple[str, ...] | None:
-    """Check the tables [joints.NAME], and return the joints' names in the order of the chain, or None if the
-    order isn't known.
+    """Check the tables [joints.NAME] of robot.toml.
+
+    Returns:
+        The joints' names in the order of the kinematic chain; None if the order isn't known.
     """
     tables: Mapping[str, JointTable] = draft.table.joints or {}
     kinds = {joint.name: joint.kind for joint in chain or ()}
@@ -105,8 +107,9 @@ def _check_joints(file: TomlFile, draft: RobotDraft, chain: Sequence[Joint] | No
 
 
 def _check_joint(file: TomlFile, draft: RobotDraft, name: str, table: JointTable, kind: str) -> None:
-    """Check the position limits of a joint. `kind` is the joint's type in the URDF; it is empty for a table
-    whose joint isn't in the chain.
+    """Check the position limits of a joint, in its table [joints.NAME] of robot.toml. `kind` is the type
+    that the URDF gives this joint. It is empty if the chain has no joint of this name, and "revolute" if
+    the chain isn't known.
     """
     path: Path = ("joints", name, "position")
     limits = table.position

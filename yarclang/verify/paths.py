@@ -56,7 +56,7 @@ Each group has a bound of its distance from the path.
 
 @dataclass
 class Piece:
-    """A piece of a segment's time, of `d` seconds, with the path parameter s(t) on it.
+    """A time interval within a segment, with the path parameter s(t) in it.
 
     Attributes:
         d: duration [s].
@@ -64,7 +64,7 @@ class Piece:
         rates: s' at both ends.
         bends: bounds of |s'|, |s''|, |s'''|.
         segment: number of the segment.
-        end: place at which the piece ends.
+        end: place at which the interval ends.
     """
 
     d: Fraction
@@ -77,7 +77,7 @@ class Piece:
 
 @dataclass
 class Distance:
-    """The state of the frame or joints at both ends of a piece of time, bounds of their fourth derivatives,
+    """The state of the frame or joints at both ends of a time interval, bounds of their fourth derivatives,
     and the largest distance of each group (such as the frame's origin) from the path.
     """
 
@@ -322,14 +322,14 @@ class Frames:
 
 
 def distances(what: Any, path: Any, pieces: Iterable[Piece], here: State) -> Iterator[Distance]:
-    """Yield for each piece of time a bound of the distance of each group (such as the frame's origin) from
+    """Yield for each time interval a bound of the distance of each group (such as the frame's origin) from
     its path.
 
     Args:
         what: what moves: `Frames` or `Joints`.
         path: the path.
-        pieces: consecutive pieces.
-        here: state of what moves at the begin of the first piece.
+        pieces: consecutive time intervals.
+        here: state of `what` at the begin of the first interval.
     """
     segment, bends = -1, list[int]()
     for piece in pieces:
@@ -363,10 +363,13 @@ def error(state: State, path: State, rate: int) -> State:
 
 
 def speeds_on(found: Distance) -> tuple[int, int]:
-    """Return the least and the largest speed of a frame's origin on a piece of time, as safe bounds.
+    """Return a lower and an upper bound of the speed of a frame's origin in a time interval of duration d.
 
-    The velocity is that of the Hermite cubic, a parabola with the Bezier points v, m, w, with an error of at
-    most sqrt(3) / 216 d^3 times the fourth derivative. The Bezier points of its squared length bound it.
+    Let v and w be the velocities at the interval's ends. The cubic polynomial that has the origin's positions
+    and velocities at both ends (the Hermite cubic) has a parabola as its velocity, with the Bezier points v,
+    m, w. The squared length of the parabola lies between the least and the largest of its own Bezier
+    coefficients. The true velocity differs from the parabola by at most sqrt(3) / 216 d^3 times the largest
+    fourth derivative of the position; both bounds allow for this.
     """
     (begin, v), (end, w), d = found.here[0], found.then[0], above(found.piece.d)
     m = [(3 * (b - a) << BITS) // d - x - y for a, b, x, y in zip(begin, end, v, w, strict=True)]

@@ -67,7 +67,7 @@ def command(to: Address | None, robot: str | None, **options: Any) -> None:
 
     docs/coordinator.md describes the lines. Each motion is proved before it is streamed. After 200 ms without
     a line the robot comes to rest. Standard output has one event per line; the first is "listening", with the
-    socket, or with port and token. SIGTERM and SIGINT bring the robot to rest, and end.
+    socket, or with port and token. SIGTERM and SIGINT bring the robot to rest; then the command ends.
     """
     if options["log"] and options["no_log"]:
         raise click.UsageError("--log and --no-log exclude each other")

@@ -41,7 +41,7 @@ def _ranges(
     parameter: click.Parameter,  # noqa: ARG001
     values: tuple[str, ...],
 ) -> tuple[tuple[str, float, float], ...]:
-    """Return the ranges of --within: each an axis, and the smallest and largest shift along it."""
+    """Return the ranges of --within: each an axis, and the least and the largest shift along or about it."""
     found: dict[str, tuple[str, float, float]] = {}
     for value in values or ("X=-300:300", "Y=-300:300"):
         match = _RANGE.fullmatch(value.strip())
@@ -118,10 +118,11 @@ def command(
     """Find where a fixture or a part could stand so that all motions are possible and the program is
     quickest.
 
-    FRAME is declared by a FRAME line of the program or in its cell, and doesn't move with the robot.
-    Everything that is given in FRAME moves with it. Each candidate is compiled and proved like any program.
-    To place the robot's base, give the whole cell in one frame in {B}, and place this frame. The map shows
-    for each place of the grid the time, or the first error.
+    FRAME is the name of a frame that the program or its cell declares, and that doesn't move with the robot.
+    Everything whose position is given in this frame moves with it. The command tries many places of the
+    frame, and compiles and proves the program for each of them. To find a place for the robot's base instead,
+    declare one frame in {B}, give the whole cell in this frame, and name it as FRAME. The command prints a
+    map: for each place of the grid, the program's time, or the first error.
     """
     if grid is None:
         grid = _POINTS.get(len(within), 3)

@@ -1,5 +1,5 @@
-"""The URDF of a robot for ROS programs on the same computer: it refers to meshes by the paths of their
-files.
+"""The URDF of a robot for ROS programs on the same computer as the robot's files: it refers to the meshes by
+the paths of their files.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from yarclang.robot.model import Robot
 
 @frozen
 class Described:
-    """A robot's URDF for programs on the same computer.
+    """A robot's URDF, for programs on the same computer: it refers to the meshes by local paths.
 
     Attributes:
         urdf: the text.
-        base: its link {B}.
-        flange: its link {FLANGE}.
-        tool: its link {TCP}; the flange for a robot without a {TCP}.
+        base: name of the link that is the frame {B}.
+        flange: name of the link that is the frame {FLANGE}.
+        tool: name of the link that is the frame {TCP}; that of the flange for a robot without a {TCP}.
     """
 
     urdf: str
@@ -32,14 +32,14 @@ class Described:
 
 
 def described(robot: Robot) -> Result[Described]:
-    """Return the URDF of a robot for programs on the same computer.
+    """Return the URDF of a robot, for programs on the same computer.
 
-    Its meshes are named by file URIs, the robot's frames and mounted tools are links, and only the robot's
-    own axes are moving joints.
+    Meshes are named by file URIs with local paths. The robot's frames and mounted tools are links, and only
+    the robot's own axes are moving joints.
 
     Returns:
         The description; None, with an error, if the files of the robot can't be read. A missing mesh is
-        reported as a finding, and keeps its name.
+        reported as a finding, and the URDF keeps the mesh's name as it was.
     """
     read = urdf_of(robot)
     if isinstance(read, Diagnostic):

@@ -82,18 +82,19 @@ class LiveStream:
 
     @property
     def left(self) -> int:
-        """Return 1 if lines of the motion are still to be sent, 0 if there are none. Their number isn't known
+        """Return 1 if lines of the motion are still to be sent, and 0 if not. How many there are isn't known
         before the motion ends.
         """
         return 0 if self._source.ended else 1
 
     def run(self) -> Script[None]:
-        """Load the first lines, then move and carry out orders until the motion ends.
+        """Send the first lines of the motion to the controller, start the motion, and carry out orders until
+        it ends.
 
         Raises:
-            Stopped: a person has ended the motion, which may still be in progress.
-            Trouble: the robot is no longer at its start, so nothing moves; or the motion can't continue, and
-                may still be in progress.
+            Stopped: a person has ended the run; the robot may still be moving.
+            Trouble: either the robot has left the position from which the motion was proved, so the motion
+                isn't started; or the motion can't continue, and the robot may still be moving.
             Lost: the connection is no longer usable.
         """
         operation, job = self.operation, self.job

@@ -1,4 +1,6 @@
-"""Answers of the controller at inspection, for comparison with later answers. No I/O."""
+"""Answers that the controller gave at the inspection before a run, and their comparison with later answers.
+No I/O.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +9,12 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """A line that asks for one value or several. Each part of the line has a subject in words and a text."""
+    """A line that asks the controller for one value or several.
+
+    Attributes:
+        subjects: for each value, what it is, in words.
+        parts: for each value, the part of the line that asks for it.
+    """
 
     subjects: tuple[str, ...]
     parts: tuple[str, ...]
@@ -20,14 +27,21 @@ class Question:
 
 @dataclass(frozen=True, slots=True)
 class Remembered:
-    """A question to the controller, and its answer at inspection."""
+    """A question to the controller, and the controller's answer at the inspection: one text for each
+    value.
+    """
 
     question: Question
     reply: tuple[str, ...]
 
     def compared(self, reply: tuple[str, ...]) -> str:
-        """Return the differences of a later reply from the answer at inspection, with both values; empty
-        if there are none.
+        """Compare a later answer to the same question with the answer at the inspection.
+
+        Args:
+            reply: the later answer.
+
+        Returns:
+            The values that differ, each as it was and as it is now, as a text; empty if none differs.
         """
         if reply == self.reply:
             return ""
@@ -45,15 +59,17 @@ class Remembered:
 
 @dataclass(frozen=True, slots=True)
 class Memory:
-    """Answers of the controller at inspection, with which later answers are compared. While the robot moves,
-    all questions of `often` are repeated every second, together with one question of `seldom`.
+    """The controller's answers at the inspection, with which later answers are compared. While the robot
+    moves, all questions of `often` are repeated every second, together with one question of `seldom`.
     """
 
     often: tuple[Remembered, ...] = ()
     seldom: tuple[Remembered, ...] = ()
 
     def value(self, variable: str) -> str:
-        """Return the printed value of a variable; empty if no question of `often` asks for it."""
+        """Return the value of a variable at the inspection, as the controller printed it; empty if no
+        question of `often` asks for it.
+        """
         for one in self.often:
             if variable in one.question.parts:
                 return one.reply[one.question.parts.index(variable)]

@@ -14,7 +14,7 @@ def test_texts_are_those_of_the_source():
         orders.Load.model_json_schema()["properties"]["first"]["description"]
         == "the index of a command, or null"
     )
-    assert field_texts(orders.Load)["first"] == "The command to begin with."
+    assert field_texts(orders.Load)["first"] == "Index of the command at which the run begins."
 
 
 def test_texts_of_bases_are_there():

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
@@ -70,7 +71,8 @@ def load_robot(name_or_path: str) -> Result[Robot]:
     if path is None:
         names = ", ".join(robot.name for robot in list_robots())
         folder = name_or_path.lower()
-        if not near and Path(folder).name == folder and Path(folder, "robot.toml").is_file():
+        here = os.path.basename(folder) == folder  # noqa: PTH119 (no name is refused)
+        if not near and here and os.path.isfile(f"{folder}/robot.toml"):  # noqa: PTH113 (never raises)
             near = f"./{folder}"
         remedy = f"The robots are {names}; a robot of yours is named by its path."
         remedy = f"Did you mean {near}? {remedy}" if near else remedy

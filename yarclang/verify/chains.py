@@ -124,11 +124,12 @@ def check_chain(chain: Sequence[Link], proofs: dict[str, Any], arm: Arm) -> Iter
         title, (position, angle) = row.entry.title, told["tolerance"]
         need(position > 0 and angle > 0, f"{title}: a tolerance that isn't above 0")
         if "duration" in told:
-            # The controller's resolution may change each segment by half a step. The corners of a chain are
-            # between segments, so a motion of a chain may be longer or shorter. What leads nowhere has none.
-            segments = row.last - row.first
+            # The controller's resolution may change each segment by half a step, and each segment of a
+            # timetable, whose times are rounded up, by a whole step. The corners of a chain are between
+            # segments, so a motion of a chain may be longer or shorter. What leads nowhere has none.
+            segments, halves = row.last - row.first, 1 + (told["move"] == "timetable")
             late += segments * row.seconds - told["duration"]
-            allowed = Fraction(segments, 2 * STEPS * 1000) + Fraction(1, 10**9)
+            allowed = Fraction(segments * halves, 2 * STEPS * 1000) + Fraction(1, 10**9)
             allowed += row.seconds / 2 if len(chain) > 1 else 0
             need(abs(late) <= allowed, f"{title}: it takes another time")
         if not row.control:

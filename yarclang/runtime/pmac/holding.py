@@ -40,6 +40,7 @@ class Holding:
         self._rotary = rotary
         self._supervision = rotary.supervision
         self._outputs = Outputs(job)
+        self._secured_in_motion = False
         self._told: set[str] = set()
 
     def hold(self, reason: str, *, secure: bool = True) -> Script[None]:
@@ -49,6 +50,7 @@ class Holding:
         self.operation.go(Event.HOLD, reason)
         if self._job.outputs and secure:
             yield from self._outputs.secure(self.operation)
+            self._secured_in_motion = bool(self._job.sets)
 
     def remember_outputs(self) -> Script[None]:
         """Ask for the values of the outputs before the job."""
@@ -95,6 +97,10 @@ class Holding:
         operation = self.operation
         if rests:
             self._again = False
+            if self._secured_in_motion and operation.now >= operation.settled:
+                # While the robot slowed down, it may have passed a line that sets an output.
+                self._secured_in_motion = False
+                yield from self._outputs.secure(operation)
         if rests or self.refilling or operation.now < operation.settled + _STILL:
             return
         if self._again:
@@ -244,6 +250,7 @@ class Holding:
             operation.remark("the guard PLC has held the motion as well", warning=True)
         if wanted := supervision.rearmed(flow, feed.left == 0):
             yield from operation.ask(wanted)
+        self._secured_in_motion = False
         yield from self._outputs.restore(operation, feed.sent - feed.at_most)
         if operation.slept:
             return  # this process was suspended meanwhile

@@ -1,5 +1,5 @@
-"""Check that every library is installed in the oldest version that pyproject.toml allows: a bound that
-nobody can install isn't tried.
+"""Check that every library is installed in the oldest version that pyproject.toml allows. A bound
+that can't be installed would never be tested.
 """
 
 import re
@@ -12,7 +12,7 @@ NUMBERS = re.compile(r"\d+")
 
 
 def numbers(text: str) -> list[int]:
-    """Return the numbers of a version without the zeros at its end: 8.1 is 8.1.0."""
+    """Return the numbers of a version without trailing zeros, so that 8.1 equals 8.1.0."""
     found = [int(number) for number in NUMBERS.findall(text)]
     while found and found[-1] == 0:
         found.pop()
@@ -20,7 +20,7 @@ def numbers(text: str) -> list[int]:
 
 
 def main(*extras: str) -> int:
-    """Compare the bounds of the dependencies, and of some extras, with what is installed here."""
+    """Compare the bounds of the dependencies, and of the given extras, with the installed versions."""
     project = tomllib.loads(Path("pyproject.toml").read_text(encoding="utf-8"))["project"]
     wanted = [
         *project["dependencies"],

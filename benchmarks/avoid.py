@@ -1,9 +1,9 @@
-"""The figures of avoiding motions in RESULTS.md: `python benchmarks/avoid.py`, in an environment with
-yarclang. `lines` measures only MOVEL_AVOID. `tight` measures only the tight places, which need yarclang[test]
-for the third arm. `tight peer` also runs RRT-Connect with 5 s for each problem on the same checker.
+"""Measure the avoiding motions for RESULTS.md: `python benchmarks/avoid.py`, in an environment with yarclang.
+`lines` measures only MOVEL_AVOID. `tight` measures only the tight places, which need yarclang[test] for the
+third arm. `tight peer` also runs RRT-Connect with 5 s for each problem, with the same collision checker.
 
-A problem is a place among obstacles with a known solution: the arm moves between two joint positions of a
-hidden walk, each step of which was found free, and obstacles are drawn that leave the walk free and block the
+Each problem has a hidden solution: a walk between two joint positions, each step of which was found free of
+collisions with the arm itself. Then random obstacles are added that leave this walk free and block the
 straight path.
 """
 
@@ -45,7 +45,7 @@ PROBLEMS = 200
 SEED = 7
 MIDDLE = np.radians([0.0, 15.0, -30.0, 0.0, -40.0, 0.0])
 STEPS = 400
-"""Joint positions of a hidden walk that are checked."""
+"""Number of joint positions that are checked along a hidden walk."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,7 +58,7 @@ class Problem:
 
 
 def main() -> None:
-    """Measure all, and print the table."""
+    """Measure everything, and print the table."""
     if "lines" in sys.argv[1:]:
         on_lines()
         return
@@ -126,8 +126,8 @@ def in_tight_places(*, with_peer: bool) -> None:
 
 
 def on_lines() -> None:
-    """Measure lines around obstacles: past a box, and in the first problems with hidden walks, of which not
-    all have a way in one configuration and about one axis. Print a table.
+    """Measure lines around obstacles: past a box, and in the first problems with hidden walks. Some of these
+    problems can't be solved by lines in one configuration that turn about a single axis. Print a table.
     """
     robot = load_robot("INDUSTRIAL6").value
     assert robot is not None
@@ -185,7 +185,7 @@ def past_a_box(robot: Robot) -> list[Problem]:
 
 
 def solvable(robot: Robot, count: int = PROBLEMS) -> list[Problem]:
-    """Return the first `count` of the fixed set of problems with hidden walks."""
+    """Return the first `count` problems with hidden walks; each run makes the same ones."""
     random = np.random.default_rng(SEED)
     found: list[Problem] = []
     while len(found) < count:
@@ -206,7 +206,7 @@ def _is_free(scene: Scene, walk: Array) -> bool:
 
 def _walk(robot: Robot, random: np.random.Generator) -> Array | None:
     """Return joint positions (STEPS, n) along two or three straight pieces on which the arm doesn't collide
-    with itself; None if there are none.
+    with itself; None if the drawn pieces collide.
     """
     limits = robot.limits
     room = np.array([1.6, 0.7, 0.8, 1.0, 1.0, 1.0])

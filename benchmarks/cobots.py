@@ -55,7 +55,7 @@ def _measured(name: str, folder: Path) -> tuple[float, float]:
 
 
 def robot_of(name: str, folder: Path) -> Robot:
-    """Return a robot by its name, one of `arms.FILES` too."""
+    """Return a robot of the library, or one of `arms.FILES`, by its name."""
     if name not in arms.FILES:
         robot = load_robot(name).value
         assert robot is not None
@@ -95,7 +95,7 @@ def _written(pose: np.ndarray) -> str:
 
 
 def _poses(robot: Robot) -> list[str]:
-    """Return MOVEJ_RPY to poses of joint positions around HOME."""
+    """Return lines of MOVEJ_RPY to the poses of random joint positions around HOME."""
     random = np.random.default_rng(0)
     q = robot.home + random.uniform(-0.35, 0.35, (POSES, robot.size))
     q = np.clip(q, robot.limits.lower + 0.01, robot.limits.upper - 0.01)
@@ -104,8 +104,8 @@ def _poses(robot: Robot) -> list[str]:
 
 
 def _pallet(robot: Robot) -> list[str]:
-    """Return for each box a MOVEJ_RPY above its place, MOVELs down and up, and the way back to the source of
-    boxes.
+    """Return for each box a MOVEJ_RPY above its place, MOVELs down and up, and the motion back to the source
+    of boxes.
     """
     base = flange_poses(robot.chain, robot.home[None])[0]
     inwards = -base[:3, 3] * [1.0, 1.0, 0.0] / np.linalg.norm(base[:2, 3])

@@ -103,7 +103,7 @@ size = [500, 500, 600]
 
 
 def main() -> None:
-    """Measure all, and print the table."""
+    """Measure everything, and print the table."""
     robot = load_robot("INDUSTRIAL6").value
     assert robot is not None
     cell = read_cell(SourceFile("cell.toml", CELL), EXAMPLE.parent, Names(is_word, robot)).value
@@ -172,8 +172,8 @@ def two_seconds(robot: Robot, cell: Cell) -> list[float]:
 
 
 def grazing(robot: Robot, gap: float) -> float:
-    """Return the time [ms] of the proof of a motion in which a link passes below a plate at its margin and a
-    gap [m].
+    """Return the time [ms] of the proof of a motion in which a link passes below a plate. The distance
+    between link and plate is the margin plus `gap` [m].
     """
     plate = (
         '[[obstacles]]\nname = "PLATE"\nshape = "box"\nframe = "B"\nsize = [4000, 4000, 20]\nmargin = 10\n'

@@ -1,13 +1,13 @@
-"""The coordinator's speed: `python benchmarks/coordinator.py [--rounds N]`, on `yarc sim` in a process of its
-own.
+"""Measure the coordinator's speed: `python benchmarks/coordinator.py [--rounds N]`, on a `yarc sim` in a
+separate process.
 
-- From a line that is given (Enter) to the first motion of a motor: planned, certified, loaded, begun. Goal:
-  150 ms, median, for MOVEJ and MOVEL.
-- From a key to the first motion of a jog at TM 10. Goal: 120 ms.
-- From the wish to go the other way to turning back: what the rotary buffer adds, and braking from 3 deg/s;
-  and from a stop to rest.
+- From the input of a line (Enter) to the first motion of a motor, which includes planning, proof, loading and
+  start. Goal: 150 ms, median, for MOVEJ and MOVEL.
+- From a key press to the first motion of a jog at TM 10. Goal: 120 ms.
+- From a jog in the opposite direction to the reversal of the motion: the delay of the rotary buffer, and
+  braking from 3 deg/s. Also from a stop to rest.
 - From connecting to a served robot to its first event, by `yarclang/client.py`. Goal: 100 ms.
-- What an event stream at 50 Hz takes of a core, at rest and in motion. Goal: 10 %.
+- The share of a core that an event stream at 50 Hz uses, at rest and in motion. Goal: 10 %.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ LINES = {
     ),
 }
 COUNTS = 2.0
-"""Distance from its rest at which a motor counts as moved [counts]."""
+"""Distance from its position at rest at which a motor counts as moved [counts]."""
 
 
 class Watch:

@@ -1,19 +1,19 @@
-"""What becomes of a run when something goes wrong:
-`python benchmarks/faults.py [WORDS ..] [--instants N] [--json FILE]`.
+"""Cause faults during runs, and measure the reactions: `python benchmarks/faults.py [WORDS ..] [--instants N]
+[--json FILE]`.
 
-Each fault meets a `yarc run` of its own, on a `yarc sim` in a process of its own, through a proxy that can
-delay, pause, cut and change packets. A second connection watches where the motors are commanded to stand,
-each 5 ms, and is the other client whose lines do harm. Of each fault:
+For each fault there are a new `yarc run` and a new `yarc sim`, in separate processes, with a proxy between
+them that can delay, pause, cut and change packets. A second connection reads the motors' commanded positions
+each 5 ms; it is also the other client that sends harmful lines. The results for each fault are:
 
-- when it was noticed: from the fault to the run's hold on the wire, to the run's message, or to the hold of
-  the guard PLC, whichever is first;
-- when the robot was at rest, and how far it was from the programmed path until then, in counts of the worst
-  motor;
-- what the run said, and its exit status (with * where a SIGTERM has ended it after the fault was watched).
+- the time at which the fault was noticed: by the run's hold on the wire, by the run's message, or by the hold
+  of the guard PLC, whichever is first;
+- the time at which the robot was at rest, and its largest distance from the programmed path until then, in
+  counts of the worst motor;
+- the run's messages and its exit status (with * if a SIGTERM ended the run after the fault was watched).
 
-With WORDS, only faults whose names have one of them. With `--instants N`, only the death of the host: kill -9
-and SIGSTOP at N instants each, at TM 5 and TM 50. Both processes are forked from one that has imported
-yarclang, which saves the second that Python takes to start.
+With WORDS, only the faults are tried whose names contain one of the words. With `--instants N`, only the
+death of the host is tried: kill -9 and SIGSTOP at N instants each, at TM 5 and TM 50. Both processes are
+forked from one that has imported yarclang, which saves the second that Python takes to start.
 """
 
 from __future__ import annotations
@@ -168,7 +168,7 @@ def wait_for(true: Callable[[], object], seconds: float, what: str) -> None:
     """Wait until a condition is true.
 
     Raises:
-        TimeoutError: it isn't in time.
+        TimeoutError: the condition isn't true in time.
     """
     until = time.monotonic() + seconds
     while not true():

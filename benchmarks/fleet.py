@@ -1,15 +1,22 @@
-"""What sharing and reusing work is worth: `python benchmarks/fleet.py [--programs N] [PART ...]`, on a quiet
-machine; the load is printed beside the figures.
+"""Measure the gain of shared and reused work: `python benchmarks/fleet.py [--programs N] [PART ...]`, on an
+otherwise idle machine. The load is printed beside the figures.
 
-Parts: `processes` (yarcc of N programs of 50 motions in one process and in two, and with two dask workers of
-one thread), `overhead` (what a task costs that does nothing), `cache` (1,000 unchanged programs, checked
-again), `campaign` (random programs a second, of a campaign that is killed in the middle and goes on, and what
-10^6 would take), `length` (processor time of a command in programs of 10^3 to 10^5 lines, and what 10^6 would
-take). Matrix products use one thread. With `--programs 8`, everything takes a minute, and shows only that it
-works.
+Parts:
 
-Goals: two processes 1.8 times one, two workers 1.6; 2 ms a task; 1,000 unchanged programs in 3 s; a command's
-cost flat.
+- `processes`: yarcc of N programs of 50 motions in one process, in two processes, and with two dask workers
+  of one thread;
+- `overhead`: the cost of a task that does nothing;
+- `cache`: 1,000 unchanged programs, checked again;
+- `campaign`: the rate of random programs in a campaign that is killed in the middle and continued, and the
+  time that 10^6 programs would take;
+- `length`: the processor time of a command in programs of 10^3 to 10^5 lines, and the time that 10^6 lines
+  would take.
+
+Matrix products use one thread. With `--programs 8`, everything takes a minute, and only shows that the
+benchmark works.
+
+Goals: two processes 1.8 times as fast as one, two workers 1.6 times; 2 ms a task; 1,000 unchanged programs in
+3 s; constant cost of a command.
 """
 
 from __future__ import annotations
@@ -40,7 +47,7 @@ COMMAND = [sys.executable, "-c", "import sys; from yarclang.cli.{0} import main;
 
 
 def programs(folder: Path, count: int, motions: int = MOTIONS) -> Path:
-    """Write programs of joint motions and lines by chance, and return their folder."""
+    """Write random programs of joint motions and lines, and return their folder."""
     folder.mkdir(parents=True)
     random = np.random.default_rng(0)
     for number in range(count):
@@ -58,7 +65,7 @@ def programs(folder: Path, count: int, motions: int = MOTIONS) -> Path:
 
 
 def seconds(command: str, *arguments: str) -> float:
-    """Return how long a command takes [s]."""
+    """Return the duration of a command [s]."""
     begin = time.perf_counter()
     made = subprocess.run(
         [COMMAND[0], COMMAND[1], COMMAND[2].format(command), *arguments],
@@ -74,7 +81,7 @@ def seconds(command: str, *arguments: str) -> float:
 
 @contextmanager
 def cluster(folder: Path, count: int) -> Iterator[str]:
-    """Start a scheduler and workers of one thread on this machine, and give its address."""
+    """Start a scheduler and workers of one thread on this machine, and yield the scheduler's address."""
     folder.mkdir()
     log = (folder / "log").open("wb")
     started = [
@@ -127,7 +134,7 @@ nothing = operator.index
 
 
 def timed(do: Callable[[range], Iterator[int]], items: range) -> float:
-    """Return how long tasks take that do nothing [s]."""
+    """Return the duration of tasks that do nothing [s]."""
     list(do(range(8)))
     begin = time.perf_counter()
     if list(do(items)) != list(items):
@@ -160,8 +167,8 @@ def measure_cache(folder: Path, count: int) -> Iterator[str]:
 
 
 def measure_campaign(folder: Path, count: int) -> Iterator[str]:
-    """Yield the rate of a campaign of 50 times as many programs, which is killed once and goes on, and its
-    worst figures.
+    """Yield the rate of a campaign of 50 times as many programs, and its worst figures. The campaign is
+    killed once and continued.
     """
     programs_, state = 50 * count, folder / "campaign"
     arguments = ["campaign", "--programs", str(programs_), "--state", str(state), "--format", "json"]

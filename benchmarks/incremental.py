@@ -1,8 +1,7 @@
-"""The figures of editing in RESULTS.md: `python benchmarks/incremental.py`, in an environment with
-yarclang[dev].
+"""Measure edits for RESULTS.md: `python benchmarks/incremental.py`, in an environment with yarclang[dev].
 
-A program of straight lines is looked at again and again by one analyst, as the language server does it (which
-looks for garbage seldom, too): one number of one line is changed each time.
+One analyst checks a program of straight lines again and again; each time, one number of one line has changed.
+As in the language server, garbage collection is rare.
 """
 
 from __future__ import annotations
@@ -29,7 +28,7 @@ HERE = Path(__file__).parent
 
 
 def edited(lines: list[str], at: int, by: float) -> SourceFile:
-    """Return the program after a change of the first number of a line, which later edits include."""
+    """Return the program after a change of the first number of a line. Later edits include this change."""
     words = lines[at].split()
     words[2] = f"{float(words[2]) + by:.3f}"
     lines[at] = " ".join(words)
@@ -37,7 +36,7 @@ def edited(lines: list[str], at: int, by: float) -> SourceFile:
 
 
 def timed(work: Callable[[], object]) -> tuple[float, float]:
-    """Return the duration of work [ms]: by the clock, and on a core."""
+    """Return the duration of a function [ms]: by the clock, and on a core."""
     wall, core = time.perf_counter(), time.process_time()
     work()
     return (time.perf_counter() - wall) * 1e3, (time.process_time() - core) * 1e3
@@ -50,7 +49,7 @@ def row(what: str, found: list[tuple[float, float]], goal: str) -> str:
 
 
 def main() -> None:
-    """Measure all, and print the table."""
+    """Measure everything, and print the table."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

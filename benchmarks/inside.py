@@ -52,7 +52,7 @@ def measure_stages(count: int, tm: float) -> dict[str, Any]:
     for module, names in STAGES:
         for name in names:
             setattr(module, name, _timed(getattr(module, name), name, times))
-    _timed(_compiled, "all", times)(programs.lines(3, 0), tm)  # the imports
+    _timed(_compiled, "all", times)(programs.lines(3, 0), tm)  # imports everything before the measurement
     times.clear()
     compiled = _timed(_compiled, "all", times)(programs.lines(count), tm)
     rows = sum(motion.curve.segments for motion in compiled.plan.motions)
@@ -64,7 +64,7 @@ def measure_cost(count: int, tm: float, kind: str) -> Times:
     short.
     """
     make = getattr(programs, kind)
-    _compiled(make(10, 0), tm)  # the imports
+    _compiled(make(10, 0), tm)  # imports everything before the measurement
     found: list[dict[str, Times]] = []
     for seed in range(1, 2 + min(8, 1000 // count)):
         found.append({})
@@ -74,7 +74,7 @@ def measure_cost(count: int, tm: float, kind: str) -> Times:
 
 def measure_plan(count: int, tm: float) -> dict[str, Any]:
     """Return the seconds from text to joint positions at every `tm` of the plan, and to the plan alone."""
-    _planned(programs.lines(3, 0), tm)  # the imports
+    _planned(programs.lines(3, 0), tm)  # imports everything before the measurement
     text = programs.lines(count)
     begun, cpu = time.perf_counter(), time.process_time()
     planned = _planned(text, tm)
@@ -110,7 +110,7 @@ def measure_edits(count: int, tm: float) -> dict[str, float]:
 
     analyst, here = Analyst(inputs.Options(tm=tm)), Path.cwd()
     lines = programs.lines(count).split("\n")
-    _planned(programs.lines(3, 0), tm)  # the imports
+    _planned(programs.lines(3, 0), tm)  # imports everything before the measurement
     times: dict[str, list[float]] = {"first": [], "planned": [], "quick": []}
 
     def look(what: str, source: SourceFile) -> None:

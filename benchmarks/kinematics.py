@@ -1,12 +1,16 @@
-"""Figures of the inverse kinematics: `python benchmarks/kinematics.py`, in an environment with yarclang[dev].
+"""Measure the inverse kinematics: `python benchmarks/kinematics.py`, in an environment with yarclang[dev].
 
-Parts: `branches` (all solutions of the closed form, in batches), `solutions` (all solutions of other arms of
-six joints, in batches and alone; how many there are beside what all eliminations together and EAIK find),
-`spare` (the nearest solution of arms of seven joints), `search` (random reachable poses within limits,
-without a seed, beside other solvers), `line` (planning a MOVEL). roboticstoolbox-python and EAIK may live in
-an
-environment of their own: `--peer-python` or PEER_PYTHON says where its interpreter is; without, they are left
-out.
+Parts:
+
+- `branches`: all solutions of the closed form, in batches;
+- `solutions`: all solutions of other arms of six joints, in batches and alone; their number is compared with
+  the solutions of all eliminations together, and with EAIK's;
+- `spare`: the nearest solution of arms of seven joints;
+- `search`: random reachable poses within limits, without a start value, compared with other solvers;
+- `line`: planning of a MOVEL.
+
+roboticstoolbox-python and EAIK may be installed in a separate environment; `--peer-python` or PEER_PYTHON
+names its interpreter. Without it, they are left out.
 """
 
 from __future__ import annotations
@@ -49,7 +53,7 @@ from yarclang.source import SourceFile
 COUNT, PEER_COUNT, SPARE_COUNT = 10_000, 1000, 300
 BAXTER = "baxter_description/urdf/baxter.urdf"
 TASKS = {
-    # base, tip, the peers that know such an arm
+    # base, tip, and the other solvers that support this arm
     "UR5": ("base_link", "tool0", ("pin", "rtb", "eaik")),
     "Panda": ("panda_link0", "panda_link8", ("pin", "rtb")),
     "calibrated": ("base_link", "flange", ("pin", "rtb")),
@@ -72,7 +76,7 @@ def main() -> None:
 
 
 def _median(work: Callable[[], Any], rounds: int = ROUNDS) -> tuple[float, float]:
-    """Return median and least wall time [s]; a first run isn't counted."""
+    """Return median and least wall time [s] of the rounds after a first one, which isn't counted."""
     work()
     times = []
     for _ in range(rounds):
@@ -121,8 +125,8 @@ def measure_solutions(options: argparse.Namespace) -> Iterator[str]:
 
 
 def measure_spare(_: argparse.Namespace) -> Iterator[str]:
-    """Measure the nearest solution of arms with more joints than a pose needs, from random joint positions
-    within limits, and from nearby ones.
+    """Measure the nearest solution of redundant arms, from random joint positions within limits, and from
+    nearby joint positions.
     """
     ours = {name: made.seven(name) for name in made.SEVEN}
     six = np.radians([170, 135, 150, 190, 130, 360])

@@ -1,8 +1,7 @@
-"""The language's figures in RESULTS.md: `python benchmarks/language.py`, in an environment with
-yarclang[dev].
+"""Measure the language for RESULTS.md: `python benchmarks/language.py`, in an environment with yarclang[dev].
 
-Loops and calls that are carried out and checked, an edit of one line of a long file, and imports of long
-files. Each is measured in a process of its own; the memory is the most that this process had.
+The parts are loops and calls that are expanded and checked, an edit of one line of a long file, and imports
+of long files. Each is measured in a separate process; the memory is the peak of this process.
 """
 
 from __future__ import annotations
@@ -20,7 +19,7 @@ from measure import by_turns, process
 
 COUNTS = (1_000, 10_000, 20_000, 50_000, 100_000)
 GOAL = 20.0
-"""Seconds for 100,000 commands."""
+"""Longest time for 100,000 commands [s]."""
 LINES = 5_000
 POINTS = 10_000
 
@@ -28,7 +27,7 @@ Figures = dict[str, float]
 
 
 def main() -> None:
-    """Measure all, and print the tables."""
+    """Measure everything, and print the tables."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
@@ -45,7 +44,7 @@ def main() -> None:
 
 
 def unrolled(rounds: int) -> None:
-    """Measure time and memory of checks, which grow with the commands."""
+    """Measure time and memory of checks as the number of commands grows."""
     for name, what in (("loops", "joint motions in loops"), ("calls", "CALLs of a SUB of 5, with frames")):
         print(
             f"\n| {what} | parsed and checked | µs a command | memory | more than 1,000, bytes a "
@@ -84,7 +83,9 @@ def imported(rounds: int) -> None:
 
 
 def _child(*arguments: object) -> Callable[[], Figures]:
-    """Return a function that measures in a process of its own, with the most memory of that process [MB]."""
+    """Return a function that measures in a separate process. Its figures include the peak memory of this
+    process [MB].
+    """
 
     def run() -> Figures:
         ended = process(sys.executable, __file__, *map(str, arguments))
@@ -160,8 +161,8 @@ def measure_check(make: Callable[[int], str], count: int) -> Figures:
 
 
 def measure_edit(count: int) -> Figures:
-    """Return the seconds of the first parse, of one without a change, and of one with a changed line (the
-    median of several).
+    """Return the seconds of the first parse, of a parse of the unchanged file, and of a parse after a change
+    of one line (the median of several).
     """
     from yarclang.source import SourceFile
     from yarclang.syntax.parse import parse

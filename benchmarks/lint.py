@@ -1,6 +1,7 @@
-"""The figures of checks in RESULTS.md: `python benchmarks/lint.py`, in an environment with yarclang[dev].
+"""Measure checks for RESULTS.md: `python benchmarks/lint.py`, in an environment with yarclang[dev].
 
-`yarc check` of a long file, of many files, and `yarc fmt`, as whole processes.
+The figures are those of `yarc check` of a long file, of `yarc check` of many files, and of `yarc fmt`, each
+as a whole process.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from measure import Process, by_turns, process
 LINES = 10_000
 FILES = 100
 GOAL = 2.0
-"""Seconds for LINES lines without planning."""
+"""Longest time for LINES lines without planning [s]."""
 YARC = (sys.executable, "-c", "from yarclang.cli.yarc import main; main()")
 
 
@@ -47,7 +48,7 @@ def short_program(number: int) -> str:
 
 
 def main() -> None:
-    """Measure all, and print the table."""
+    """Measure everything, and print the table."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

@@ -1,8 +1,9 @@
-"""The figures of the language server in RESULTS.md: `python benchmarks/lsp.py`, in an environment with
+"""Measure the language server for RESULTS.md: `python benchmarks/lsp.py`, in an environment with
 yarclang[dev].
 
-A client of a few lines talks to `yarc lsp` over its standard input and output, as an editor does that is sent
-findings: from the start of the process, or from an edit, up to the findings.
+A small client talks to `yarc lsp` over standard input and output, like an editor to which the server sends
+findings without being asked. It measures the time from the start of the process, or from an edit, to the
+findings.
 """
 
 from __future__ import annotations
@@ -154,7 +155,7 @@ def row(what: str, seconds: list[float], goal: str) -> None:
 
 
 def main() -> None:
-    """Measure all, and print the table."""
+    """Measure everything, and print the table."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

@@ -1,4 +1,4 @@
-"""Times of processes, with several tasks in turn."""
+"""Measurement of processes, with several tasks run alternately."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Process:
 def process(*command: str) -> Process:
     """Run a command to its end.
 
-    The peak is at least that of this process, because a child begins with the peak of its parent. Callers
+    The peak is at least that of this process, because a child begins with the peak of its parent. So callers
     must not import large modules.
     """
     with tempfile.TemporaryFile("w+") as output, tempfile.TemporaryFile("w+") as errors:

@@ -1,8 +1,8 @@
-"""The planner's figures in RESULTS.md: `python benchmarks/motion.py`, in an environment with yarclang[dev].
+"""Measure the planner for RESULTS.md: `python benchmarks/motion.py`, in an environment with yarclang[dev].
 
-Time-optimal laws against toppra's own law on 1,000 places, S-curves against ruckig (left out where it isn't
-installed: `pip install ruckig`, or --peers FOLDER that has it), what planning costs, and how far an edit of
-0.1 mm reaches.
+The parts compare time-optimal laws with toppra's own law on 1,000 points, compare S-curves with ruckig,
+measure the time of planning, and count how many commands an edit of 0.1 mm affects. Without ruckig (`pip
+install ruckig`, or --peers FOLDER that contains it), the comparison of S-curves is left out.
 """
 
 from __future__ import annotations
@@ -34,13 +34,13 @@ from yarclang.source import SourceFile
 from yarclang.syntax.parse import parse
 
 GRID = Grid(0.0039844, 0.05, 1 / 4096e3)
-"""Segment times of the library's robots."""
+"""Smallest, largest and step of segment times [s], as for the robots of the library."""
 LINES = 100
 TRIALS = 1_000
 
 
 def main() -> None:
-    """Measure all, or the named parts, and print the tables."""
+    """Measure everything, or the named parts, and print the tables."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
@@ -208,14 +208,14 @@ def _paths(robot: Robot, kind: int, random: np.random.Generator) -> Iterator[Pat
 
 
 def _toppra(path: Path, robot: Robot) -> float:
-    """Return the duration [s] of toppra's own law on 1,000 places, under the robot's full limits."""
+    """Return the duration [s] of toppra's own law on 1,000 points, with the robot's full limits."""
     import toppra
     from toppra import constraint
 
     bounds = bounds_of(robot)
     places = np.linspace(0.0, 1.0, 1_001)
     joints = path.joints(places)
-    # a motor is a further joint without a limit of acceleration
+    # a motor is treated as a further joint, without an acceleration limit
     rows = np.concatenate((joints, joints @ bounds.counts.T / bounds.motor_velocity), axis=1)
     size = bounds.counts.shape[0]
     velocity = np.concatenate((robot.limits.velocity, robot.actuation.velocity / bounds.motor_velocity))
@@ -252,7 +252,7 @@ def _largest_share(robot: Robot, curve: Curve) -> float:
 
 
 def _plan(robot: Robot, text: str) -> Any:
-    """Return a function that plans a program, which is read and checked before."""
+    """Return a function that plans a program. The program is read and checked beforehand."""
     request = Request(robot)
     program = check_program(parse(SourceFile("benchmark.yarc", text)).value, request).value
     assert program is not None
@@ -260,7 +260,7 @@ def _plan(robot: Robot, text: str) -> Any:
 
 
 def _planned(robot: Robot, text: str, rounds: int) -> tuple[float, float]:
-    """Return the median time of planning a program, and that on a core [s]."""
+    """Return the median time of planning a program by the clock [s], and on a core [s]."""
     run = _plan(robot, text)
     assert run() is not None
     seconds, cores = [], []

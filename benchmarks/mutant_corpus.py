@@ -1,5 +1,5 @@
-"""The programs that every mutant compiles: small valid ones, each close to the limit that it tests, and
-invalid ones, each for one reason alone.
+"""The programs that every mutant compiles. Some are small and valid, each close to the limit that it tests.
+The others are invalid, each for a single reason.
 """
 
 from __future__ import annotations

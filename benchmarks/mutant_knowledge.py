@@ -1,4 +1,4 @@
-"""Knowledge about mutants: the tests of each room, and the reasons why some mutants survive."""
+"""Knowledge about mutants: the tests of each package, and the reasons why some mutants survive."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ TESTS = {
     "collision": ["tests/collision"],
     "runtime": ["tests/runtime"],
 }
-"""Tests of rooms, for modules that no test imports."""
+"""Tests of each package, for modules that no test imports."""
 
 ALSO = {
     "backend_pmac": ["tests/backend_pmac", "tests/certify/test_certify_read.py"],

@@ -1,23 +1,23 @@
-"""Errors put into the code, one at a time: `python benchmarks/mutants.py [--count 200] [--seed 0]`, in an
-environment with yarclang and its tests.
+"""Put errors into the code, one at a time, and find out what detects them: `python benchmarks/mutants.py
+[--count 200] [--seed 0]`, in an environment with yarclang and its tests.
 
-Each mutant is one change of one expression: a sign, an off by one, a dropped term, exchanged limits, another
-axis, another unit. A forked process imports the package anew, with the changed module in the place of its
-file, and compiles the programs of `mutant_corpus.py`: some must be written, and some, a step beyond these,
-must not be. Each text that it certifies and that isn't, to the byte, the one that is written without the
-change is judged by the code without the change, with the claims made anew. Then the tests that import the
-changed module are run, or those of its room if there are none. The result says of each mutant who saw it:
+Each mutant changes one expression: a sign, an offset by one, a dropped term, exchanged limits, another axis,
+another unit. A forked process imports the package again, with the changed module in place of its file, and
+compiles the programs of `mutant_corpus.py`. Some of these must be written; others, which are one step beyond
+these, must be refused. If a mutant certifies a text that differs in any byte from the text without the
+change, the unchanged code judges this text, with the claims computed again. Then the tests that import the
+changed module are run, or those of its package if there are none. Each mutant gets a verdict:
 
-- `certificate`: nothing wrong was written: one of the programs wasn't written, or the compiler stopped;
-- `wrong`: a text that the mutant certified is refused without the change: it is written and wrong;
-- `tests`: the certificate saw nothing, the tests did;
-- `same`: what is written is the same to the byte, and no test fails;
-- `survives`: other texts are certified, hold before the judge without the change too, and no test fails;
-- `open`: the tests weren't asked, or took too long.
+- `certificate`: no wrong text was written, because a program was refused or the compiler stopped;
+- `wrong`: the mutant certified a text that the unchanged code refuses, so a wrong text is written;
+- `tests`: the certificate didn't detect the mutant, but the tests did;
+- `same`: all texts are the same to the byte, and no test fails;
+- `survives`: other texts are certified, the unchanged judge accepts them too, and no test fails;
+- `open`: the tests weren't run, or took too long.
 
-Results are added to a file, line by line, and what is in it isn't done again: a run may be stopped, and
-another one may ask the tests of what is `open`. REASONS of `mutant_knowledge.py` says of `wrong`, `same` and
-`survives` why they stand.
+Results are added to a file, line by line, and aren't computed again. So a run may be stopped, and a later run
+may try the tests of mutants that are `open`. REASONS of `mutant_knowledge.py` gives the reasons for the
+verdicts `wrong`, `same` and `survives`.
 """
 
 from __future__ import annotations
@@ -90,7 +90,9 @@ class Mutation:
 
     @property
     def key(self) -> str:
-        """Return the name in results. It has no line, which changes with every edit above it."""
+        """Return the name in results. It doesn't contain the line number, because edits above the line change
+        this number.
+        """
         return f"{self.file} {self.kind}: {self.was[:60]} -> {self.becomes[:60]} ({self.which})"
 
 
@@ -150,7 +152,9 @@ def mutations() -> Iterator[Mutation]:
 
 
 def _idle(tree: ast.Module) -> Iterator[int]:
-    """Yield the numbers of nodes in annotations, and of targets, in which nothing is computed."""
+    """Yield the numbers of nodes whose values aren't computed: those in annotations, and targets of
+    assignments.
+    """
     numbers = {id(node): number for number, node in enumerate(ast.walk(tree))}
     for node in ast.walk(tree):
         parts = [getattr(node, name, None) for name in ("annotation", "returns")]
@@ -239,7 +243,7 @@ def apart(work: Callable[[], Any], longest: float) -> tuple[bool, Any]:
 
 
 def with_change(mutation: Mutation) -> None:
-    """Remove the package from memory, and import it from now on with the change."""
+    """Remove the package from memory, so that the next import uses the changed module."""
     for name in [name for name in sys.modules if name.split(".")[0] == "yarclang"]:
         del sys.modules[name]
     sys.meta_path.insert(0, Changed(mutation))
@@ -319,7 +323,7 @@ def by_tests(mutation: Mutation, files: list[str]) -> tuple[str, str]:
 
 
 def tests_of(file: str) -> list[str]:
-    """Return the tests that import a module or, if there are none, those of its room; and those in ALSO."""
+    """Return the tests that import a module, or else those of its package; and those in ALSO."""
     module = ".".join(Path(file).with_suffix("").parts)
     inside, name = module.rpartition(".")[::2]
     pattern = re.compile(
@@ -337,7 +341,7 @@ def tests_of(file: str) -> list[str]:
 
 
 def chosen(count: int, seed: int) -> list[Mutation]:
-    """Draw mutations: equally many from each room, and there from each kind."""
+    """Draw mutations: the same number from each package, and there from each kind."""
     groups: dict[tuple[str, str], list[Mutation]] = {}
     for one in mutations():
         groups.setdefault((one.file.split("/")[0], one.kind), []).append(one)

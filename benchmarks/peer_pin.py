@@ -1,7 +1,8 @@
-"""The lines in a loop over pin: `python peer_pin.py TASK` prints seconds and results as JSON.
+"""Solve the lines in a loop over pin: `python peer_pin.py TASK` prints seconds and results as JSON.
 
-For each sample the pose is computed, then damped least squares from the previous sample until the error is
-below 1e-9. The loop is the leanest that we could write: no limits, no time law, no choice of a branch.
+For each sample, the pose is computed, and then solved by damped least squares, from the previous sample's
+joint positions until the error is below 1e-9. The loop has no limits, no time law and no choice of a branch,
+so that it is as fast as possible.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ import numpy as np
 import pinocchio as pin
 
 TOLERANCE = 1e-9
-"""Bound of the norm of the remaining twist [m, rad]."""
+"""Largest norm of the remaining twist [m, rad]."""
 
 DAMPING = 1e-12
 

@@ -1,8 +1,9 @@
-"""The lines in roboticstoolbox-python: `python peer_rtb.py TASK TOL` prints seconds and results as JSON.
+"""Solve the lines with roboticstoolbox-python: `python peer_rtb.py TASK TOL` prints seconds and results as
+JSON.
 
-For each line, the poses come from `ctraj`, and the joints from `ik_LM` (its C++ solver), started at the
-previous sample. Runs without yarclang, because the toolbox may be in an environment of its own. TOL is that
-of `ik_LM`: half of the squared error.
+For each line, the poses come from `ctraj`, and the joint positions from `ik_LM` (its C++ solver), started at
+the previous sample. TOL is the tolerance of `ik_LM`: half of the squared error. The script runs without
+yarclang, because the toolbox may be in a separate environment.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ import numpy as np
 warnings.simplefilter("ignore")
 
 SHAPES = re.compile(r"<(visual|collision)>.*?</\1>", re.DOTALL)
-"""Shapes, which are removed: its reader of URDFs knows no capsules, and only joints are needed."""
+"""Shapes, which are removed: the toolbox's URDF reader knows no capsules, and only joints are needed."""
 
 
 def main() -> None:

@@ -1,9 +1,10 @@
-"""Poses without a seed in other solvers: `python peer_search.py SOLVER TASK` prints the results as JSON.
+"""Solve poses with other solvers, without a start value: `python peer_search.py SOLVER TASK` prints the
+results as JSON.
 
 SOLVER is `pin` (a loop over Pinocchio with damped steps and random restarts), `rtb` (the C++ `ik_LM` of
-roboticstoolbox-python, with its own restarts and limits) or `eaik` (EAIK's analytic solver; for arms that it
-knows). Runs without yarclang, because the solvers may be in environments of their own. All get the same poses
-and limits; the caller judges the answers.
+roboticstoolbox-python, with its own restarts and limits) or `eaik` (EAIK's analytic solver, for the arms that
+it supports). The script runs without yarclang, because the solvers may be in separate environments. All
+solvers get the same poses and limits; the caller judges the answers.
 """
 
 from __future__ import annotations
@@ -91,7 +92,7 @@ def _rtb(task: dict[str, Any]) -> Any:
     low = np.where(np.isfinite(task["lower"]), task["lower"], -np.pi)
     high = np.where(np.isfinite(task["upper"]), task["upper"], np.pi)
     chain.qlim = np.array([low, high])
-    # its chains begin at the parent of the base
+    # EAIK's chains begin at the parent of the base
     base = chain.eval(np.zeros(len(low))) @ np.linalg.inv(task["home"])
     return lambda pose: chain.ik_LM(base @ pose, tol=RTB_TOLERANCE, joint_limits=True).q
 

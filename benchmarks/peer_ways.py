@@ -1,6 +1,4 @@
-"""Paths around obstacles by OMPL's RRT-Connect on the checker of the collision room, for comparison with
-ours.
-"""
+"""Find paths around obstacles with OMPL's RRT-Connect and our collision checker, for comparison."""
 
 from __future__ import annotations
 
@@ -13,8 +11,8 @@ from yarclang.robot.model import Array
 def by_peer(
     room: Room, start: Array, goal: Array, seed: int, seconds: float, *, is_shortened: bool = True
 ) -> Array | None:
-    """Return the corners (k, n) of a path that OMPL's RRT-Connect finds on the same checker; None if it finds
-    none.
+    """Return the corners (k, n) of a path that OMPL's RRT-Connect finds with the same collision checker; None
+    if RRT-Connect finds none.
     """
     from ompl import base, geometric, util
 

@@ -1,11 +1,11 @@
-"""The pendant in a real browser (headless Chromium, software GL, loopback): how soon a press moves the robot,
-how soon letting go holds it, what watchers cost.
+"""Measure the pendant in a real browser (headless Chromium, software GL, loopback): the time from a press to
+the robot's motion, the time from the release to the hold, and the cost of watchers.
 
-    python benchmarks/pendant.py            # some 4 minutes
-    python benchmarks/pendant.py --minutes 10   # and memory with twenty watchers for so long
+    python benchmarks/pendant.py            # about 4 minutes
+    python benchmarks/pendant.py --minutes 10   # also the memory with twenty watchers, after this time
 
-Times are taken in the page: from the pointer's event to the message that tells of it, so that they have the
-way back as well.
+Times are measured in the page, from the pointer's event to the message about its effect, so they include the
+way of this message to the page.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ import threading
 import time
 from pathlib import Path
 
-# replace this folder, in which a module has the name of a folder of the tests
+# replace this folder in the path: one of its modules has the name of a folder of the tests
 sys.path[0] = str(Path(__file__).resolve().parent.parent / "tests")
 
 from pendant.process import PROGRAM, serving  # noqa: E402

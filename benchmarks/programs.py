@@ -1,4 +1,4 @@
-"""The measured programs. They are generated, and equal in every run."""
+"""The measured programs. They are generated, and the same in every run."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ OPENING = "P0001 MOVEJ_RPY_LSPB {TCP} 0 1174.4 1176 0 0 0 [3] (mm,deg,s) {B}"
 
 CENTRE = (0.0, 1174.4, 1176.0, 0.0, 0.0, 0.0)
 REACH = (70.0, 70.0, 70.0, 4.0, 4.0, 4.0)
-"""Largest distance of poses from the centre [mm, deg]. More would need more jerk than allowed within a
-second.
+"""Largest distance of poses from the centre [mm, deg]. Larger distances would exceed the jerk limit in a
+motion of one second.
 """
 
 BENT = (0.0, -6.2, -46.5, 0.0, 52.7, 0.0)

@@ -1,10 +1,10 @@
-"""The main ratios: `python benchmarks/ratios.py`, in an environment with yarclang.
+"""Measure the main ratios: `python benchmarks/ratios.py`, in an environment with yarclang.
 
-Each ratio has two sides that are measured by turns in one run, so that it means the same on a fast machine
-and on a slow one: whole processes by the clock, work inside one on a core; the shortest times count. The
-table has each ratio beside its goal and beside the one that was recorded last, in `ratios.toml`. A ratio that
-misses its goal, or is worse than recorded, is a warning and no failure: the exit status is 0 unless something
-could not be measured. `--record` writes what was measured to `ratios.toml` and to the table in RESULTS.md.
+The two sides of each ratio are measured alternately in one run, so that fast and slow machines give the same
+ratio. Whole processes are measured by the clock, work inside a process on a core; the shortest times count.
+The table shows each ratio, its goal, and the recorded ratio of `ratios.toml`. If a ratio misses its goal, or
+is worse than recorded, a warning is printed, but the exit status is 0; it is nonzero only if something
+couldn't be measured. `--record` writes the measured ratios to `ratios.toml` and to the table in RESULTS.md.
 """
 
 from __future__ import annotations
@@ -203,7 +203,9 @@ def cost(rounds: int) -> dict[str, float]:
 
 
 def _times(runs: list[Run], others: list[Run], key: str = "cpu") -> float:
-    """Return the ratio of the shortest times, because other load only makes times longer."""
+    """Return the ratio of the shortest times of both sides. The shortest are used because other load only
+    makes times longer.
+    """
     return _least(runs, key) / _least(others, key)
 
 

@@ -1,15 +1,17 @@
-"""The ROS door on the wire: `python benchmarks/ros.py [--goals N] [--stops N] [--busy N ...]`.
+"""Measure the ROS interface up to the controller's wire: `python benchmarks/ros.py [--goals N] [--stops N]
+[--busy N ...]`.
 
-`yarc ros` and `yarc sim` run as processes of their own, the first with a log. Three figures:
+`yarc ros`, with a log, and `yarc sim` run as separate processes. There are three figures:
 
-- from the last of 100 points of a goal (sent one at a time, each answered) to the controller's R: the pause
-  of 50 ms, the plan, its proof, the look at the controller, the first lines;
-- from a stop to the hold on the controller's wire, while a program is streamed and the state link tells, with
-  so many `--busy` processes beside that do nothing but compute;
-- the share of a core that the state link takes at 40 Hz: the process with and without clients there.
+- the time from the last of 100 points of a goal (sent one at a time, each answered) to the controller's R. It
+  includes the pause of 50 ms, the plan, its proof, the check of the controller, and the first lines.
+- the time from a stop to the hold on the controller's wire, while a program is streamed and the state link
+  sends messages, beside `--busy` processes that only compute;
+- the share of a core that the state link uses at 40 Hz, measured as the difference between the whole
+  process with clients on this link and without them.
 
 The clock begins before a message is written, and ends when the bytes are on the controller's wire; both are
-read from the system's monotonic clock. Goals: 250 ms, 10 ms (p99 with nothing beside), 8 %.
+read from the system's monotonic clock. Goals: 250 ms, 10 ms (p99 without busy processes), 8 %.
 """
 
 from __future__ import annotations
@@ -56,7 +58,7 @@ main(["ros", "--robot", "INDUSTRIAL6", "--to", "tcp://127.0.0.1:{port}", "--log"
 """  # noqa: E501
 POINTS = 100
 PATIENCE = 30.0
-"""Time after which nothing more is expected on the wire [s]."""
+"""Longest time to wait for something on the wire [s]."""
 
 
 class Listener(threading.Thread):
@@ -81,7 +83,7 @@ class Listener(threading.Thread):
                         self.status = message.body
 
     def until(self, *, moves: bool) -> None:
-        """Wait until the robot moves, or rests."""
+        """Wait until the robot moves, or is at rest."""
         since = time.monotonic()
         while self.status is None or not self.joints or self.status.in_motion != int(moves):
             if time.monotonic() - since > PATIENCE:
@@ -102,7 +104,7 @@ class Mover:
         self._wire.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
 
     def ask(self, point: TrajectoryPoint) -> float:
-        """Send a request and wait for its answer; return when it was sent [s]."""
+        """Send a request and wait for its answer. Return the time at which the request was sent [s]."""
         frame = encode(Message(Comm.REQUEST, point))
         sent = time.monotonic()
         self._wire.sendall(frame)
@@ -112,7 +114,7 @@ class Mover:
         return sent
 
     def goal(self, here: np.ndarray, there: np.ndarray, seconds: float, between: float) -> float:
-        """Stream a goal; return when its last point was sent [s]."""
+        """Stream a goal. Return the time at which its last point was sent [s]."""
         share = (1.0 - np.cos(np.linspace(0.0, np.pi, POINTS))) / 2.0
         sent = 0.0
         for number, one in enumerate(here + share[:, None] * (there - here)):
@@ -124,7 +126,7 @@ class Mover:
 
 @contextlib.contextmanager
 def door(folder: Path) -> Iterator[tuple[int, tuple[int, int], Pipe]]:
-    """Yield a ROS door: its process, its ports, and the pipe that reports its wire."""
+    """Yield a running `yarc ros`: its process, its ports, and the pipe that reports the bytes on its wire."""
     reading, writing = os.pipe()
     with process(SIMULATOR) as simulator:
         assert simulator.stdout is not None
@@ -142,7 +144,7 @@ def door(folder: Path) -> Iterator[tuple[int, tuple[int, int], Pipe]]:
 
 
 def on_the_wire(pipe: Pipe, letter: str) -> float:
-    """Return the next time at which a letter was on the wire [s]."""
+    """Return the next time at which a given letter was sent to the controller [s]."""
     while (line := pipe.line(PATIENCE)) is not None:
         what, _, when = line.partition(" ")
         if what == letter:
@@ -209,7 +211,7 @@ def shown(times: list[float]) -> str:
 
 
 def main() -> None:
-    """Measure all three."""
+    """Measure all three figures."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

@@ -1,8 +1,8 @@
-"""The figures of RESULTS.md: `python benchmarks/run.py`, in an environment with yarclang[dev].
+"""Measure the figures of RESULTS.md: `python benchmarks/run.py`, in an environment with yarclang[dev].
 
-Each comparison runs its sides by turns, round by round; the table has medians, and the medians of the ratios
-in each round. roboticstoolbox-python may live in an environment of its own: `--rtb-python` or RTB_PYTHON says
-where its interpreter is (default: this one).
+The two sides of each comparison run alternately, round by round. The table has medians of times, and medians
+of the ratios of all rounds. roboticstoolbox-python may be in a separate environment: `--rtb-python` or
+RTB_PYTHON names its interpreter (default: this one).
 """
 
 from __future__ import annotations
@@ -104,7 +104,7 @@ def startup(options: argparse.Namespace) -> Iterator[Row]:
 
 
 def thousand(options: argparse.Namespace) -> Iterator[Row]:
-    """Measure 1,000 lines of 1 s at TM 5 as a whole process; and in another one, by stages."""
+    """Measure 1,000 lines of 1 s at TM 5 as a whole process, and, in a second process, by stages."""
     with tempfile.TemporaryDirectory() as folder:
         program = Path(folder, "lines.yarc")
         program.write_text(programs.lines(LINES), encoding="utf-8")
@@ -126,7 +126,9 @@ def thousand(options: argparse.Namespace) -> Iterator[Row]:
 
 
 def planning(options: argparse.Namespace) -> Iterator[Row]:
-    """Measure the same lines, from program to joint samples, against other libraries; all for each sample."""
+    """Measure the same lines from program to joint samples, and other libraries that solve their poses. All
+    times are per sample.
+    """
     with tempfile.TemporaryDirectory() as folder:
         task = Path(folder, "task.json")
         task.write_text(json.dumps(_inside("task", options.peer_lines, TM)), encoding="utf-8")
@@ -204,7 +206,7 @@ def _script(python: str, script: str, *arguments: str) -> Run:
 
 
 def _each(run: Run) -> Run:
-    """Return the times for each sample."""
+    """Return the times divided by the number of samples."""
     times = {key: run[key] / run["samples"] for key in ("seconds", "cpu", "planning") if key in run}
     return {**run, **times}
 

@@ -1,11 +1,12 @@
-"""How soon a watched input holds the robot, and how long what follows a search, or a pick and place with an
-OFFSET, takes to plan and prove: `python benchmarks/searching.py [--rounds N]`.
+"""Measure watched inputs: `python benchmarks/searching.py [--rounds N]`. The figures are the time from an
+input's edge to the hold, and the time to plan and prove the motion after a search, or a pick and place with
+an OFFSET.
 
-`yarc sim` and `yarc run` run as processes of their own, and a third client of the controller changes the
-input, as a PLC would. The clock begins when that client is about to write, and ends when the bytes of the
-hold are on the wire; both are read from the system's monotonic clock. So one way to the controller counts as
-well. Planning is measured by itself: a line down is ended at ten places, and what is asked for is a line up
-from there.
+`yarc sim` and `yarc run` run as separate processes, and a third client of the controller changes the input,
+as a PLC would. The clock begins just before that client writes, and ends when the bytes of the hold are on
+the wire; both are read from the system's monotonic clock. So the time includes that client's own way to the
+controller. Planning is measured separately: a line down is ended at ten places, and a line up is planned from
+each of them.
 
 Goals: edge to hold 10 ms (p99, idle); planned and certified in 150 ms (median).
 """
@@ -80,7 +81,7 @@ class Beside:
         self.ask(GREETING)
 
     def ask(self, line: str) -> None:
-        """Ask a line, and wait for its reply."""
+        """Send a line, and wait for its reply."""
         self._socket.sendall(self._connection.send(Ask(line), time.monotonic(), 5.0))
         while not self._connection.receive(self._socket.recv(4096), time.monotonic()):
             pass
@@ -134,7 +135,7 @@ def edges(rounds: int, folder: Path) -> list[float]:
 
 
 def planned(name: str, text: str) -> list[float]:
-    """Return the times to plan and prove the commands after a search that is ended at ten places [ms]."""
+    """Return the times to plan and prove the commands after a search, which is ended at ten places [ms]."""
     robot = load_robot(name).value
     assert robot is not None
     head = "INPUT TOUCH M12\nDEFAULT {TCP} (mm,deg,s) {B}\n"

@@ -1,8 +1,8 @@
-"""Lengths of paths around obstacles, compared with the best of 20 runs of OMPL's RRT-Connect with all of its
-shortening, on the same checker: `python benchmarks/short.py`.
+"""Compare the lengths of paths around obstacles with the best of 20 runs of OMPL's RRT-Connect, with all of
+its shortening and the same collision checker: `python benchmarks/short.py`.
 
-The length of a path is the time that the slowest joint needs at its largest speed, which no law of motion can
-undercut. The other paths have corners, at which an arm would have to stop; ours are smooth and proved to be
+The length of a path is the time that the slowest joint needs at its largest speed; no law of motion can be
+faster. RRT-Connect's paths have corners, at which an arm would have to stop; ours are smooth and proved to be
 free.
 """
 

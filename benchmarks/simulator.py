@@ -1,13 +1,12 @@
-"""The simulator's speed: `python benchmarks/simulator.py [--seconds S] [--rounds N]`.
+"""Measure the simulator's speed: `python benchmarks/simulator.py [--seconds S] [--rounds N]`.
 
-First its time: Listing 4 for INDUSTRIAL6 at TM 5, 8,000 segments, in a commissioned machine whose guard PLC
-runs: from `R`
-to the end, as a program and as a rotary that is refilled line by line. Goal: 100 times real time. Then round
-trips through its socket.
+First, the time of a program: Listing 4 for INDUSTRIAL6 at TM 5, 8,000 segments, in a commissioned machine
+whose guard PLC runs. The time is from `R` to the end, for a program buffer and for a rotary buffer that is
+refilled line by line. Goal: 100 times real time.
 
-A `yarc sim` in a process of its own, a client with a blocking socket in this one, loopback between them; by
-turns with a bare asyncio server that answers any bytes at once, which is what this computer can do at best.
-Goal: 20,000 questions a second. Medians of the rounds.
+Then round trips through its socket, from a client with a blocking socket in this process to a `yarc sim` in a
+separate process, over loopback. They alternate with a plain asyncio server that answers any bytes at once,
+which is the best that this computer can do. Goal: 20,000 questions a second. Medians of the rounds.
 """
 
 from __future__ import annotations
@@ -111,7 +110,7 @@ def ready() -> Machine:
 
 
 def play(duration: float, lines: list[str]) -> float:
-    """Return the seconds for a program that is loaded before."""
+    """Return the seconds of a program that was loaded beforehand."""
     machine = ready()
     for line in lines:
         tell(machine, line)

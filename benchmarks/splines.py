@@ -1,4 +1,4 @@
-"""Splines through thousands of points: how long the compiler takes, and how much memory.
+"""Measure the compiler's time and memory for splines through thousands of points.
 
 python benchmarks/splines.py [COUNT ...] [--robot NAME] [--path weld|bead|pocket|spiral] [--joints]
 [--turning] [--time TEXT]

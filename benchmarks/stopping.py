@@ -1,17 +1,16 @@
-"""How long a stop takes from the order to the wire, under load:
-`python benchmarks/stopping.py [--rounds N] [--busy N ...]`.
+"""Measure the time of a stop from the order to the wire, under load: `python benchmarks/stopping.py [--rounds
+N] [--busy N ...]`.
 
-`yarc serve` and `yarc sim` run as processes of their own, the first with a log. Orders come over the control
-socket, by turns from a client that is connected, and on a new connection as those of `yarc hold`. The clock
-begins before the order is written, and ends when the bytes of the hold are on the controller's wire; both are
-read from the system's monotonic clock. Who orders, and the simulator, stand for a person and a controller:
-they go before other processes, if this user may do that. The serving process is an ordinary one without
-`--priority`. There are four phases of work, each with so many `--busy` processes beside that do nothing but
-compute:
+`yarc serve`, with a log, and `yarc sim` run as separate processes. Orders come over the control socket,
+alternately from a connected client, and on a new connection like those of `yarc hold`. The clock begins
+before the order is written, and ends when the bytes of the hold are on the controller's wire; both are read
+from the system's monotonic clock. The client and the simulator stand for a person and a controller, so they
+have a higher priority than other processes, if the user may set it. Without `--priority`, the serving process
+is an ordinary one. There are four phases, each beside `--busy` processes that only compute:
 
 - a program is streamed;
-- it is streamed while another client has long programs planned, in the same process;
-- it is streamed while eight clients are told all events, with positions;
+- a program is streamed while another client has long programs planned, in the same process;
+- a program is streamed while eight clients receive all events, with positions;
 - a client steers a live motion at 50 Hz.
 
 Goal: 20 ms (p99 of all phases) with eight busy processes.
@@ -77,7 +76,9 @@ PROGRAM = "".join(
     for k in range(20)
 )
 Stop = tuple[float, float]
-"""Times to the wire: from the order, and from its reading by the serving process [s]."""
+"""Times [s] until the hold is sent to the controller: from the order, and from the moment when the serving
+process read it.
+"""
 
 GOAL = "20 ms"
 PHASES = ("a program", "a program, others planned", "a program, 8 watchers", "live at 50 Hz")
@@ -86,7 +87,7 @@ _DROP, _SYS_NICE = 24, 23
 """PR_CAPBSET_DROP of prctl, and the capability CAP_SYS_NICE."""
 
 PATIENCE = 20.0
-"""Time after which a hold isn't expected on the wire any more [s]."""
+"""Longest time to wait for a hold on the wire [s]."""
 
 
 class Pipe:
@@ -165,7 +166,7 @@ def company(role: str, path: str) -> Iterator[None]:
 
 @contextlib.contextmanager
 def busy(count: int) -> Iterator[None]:
-    """Run processes that only compute."""
+    """Run processes that only compute, as long as the context lasts."""
     with contextlib.ExitStack() as stack:
         for _ in range(count):
             stack.enter_context(process(BUSY))
@@ -223,7 +224,7 @@ def steer(path: str) -> None:
 
 
 def wait_for(robot: Robot, state: str, patience: float = PATIENCE) -> bool:
-    """Return True when the robot is in a state; False if it isn't in time [s]."""
+    """Wait for a state of the robot. Return False if it isn't reached in time [s]."""
     until = time.monotonic() + patience
     while robot.status()["state"] != state:
         if time.monotonic() > until:
@@ -233,7 +234,7 @@ def wait_for(robot: Robot, state: str, patience: float = PATIENCE) -> bool:
 
 
 def ordered(order: str, path: str, robot: Robot, number: int, pipe: Pipe) -> Stop | None:
-    """Give an order, and return its times; None if the robot was at rest before."""
+    """Give an order, and return its times; None if the robot was already at rest."""
     pipe.drain()
     if number % 2:
         begun = time.monotonic_ns()

@@ -1,12 +1,12 @@
-"""The runtime's speed: `python benchmarks/streaming.py [--rounds N]`.
+"""Measure the runtime's speed: `python benchmarks/streaming.py [--rounds N]`.
 
-- Program lines a second, by WRITEBUFFER, against dls-pmaclib, one command at a time, into the same program
-  buffer of the same `yarc sim` in a process of its own; with no delay, and with 1 ms on each reply as a
-  controller takes. Goal: 20 times.
-- How long a stop takes to the wire: while nothing is awaited, and while a reply is. Goal: 5 ms (p99).
-- Ten minutes of motion at TM 5 with up to 20 ms of random delay on each reply, in virtual time: neither low
-  water nor underrun; and the smallest TM that holds.
-- An hour of motion, run again and again: memory at ten minutes and at sixty.
+- Program lines a second, by WRITEBUFFER and by dls-pmaclib, which sends one command at a time. Both write to
+  the same program buffer of a `yarc sim` in a separate process, without a delay, and with 1 ms on each reply
+  as on a controller. Goal: 20 times.
+- The time until a stop is sent, if no reply is awaited, and if one is. Goal: 5 ms (p99).
+- Ten minutes of motion at TM 5 with a random delay of up to 20 ms on each reply, in virtual time, without low
+  water and underrun. Also the smallest TM that works.
+- An hour of motion, run repeatedly: memory after ten minutes and after sixty.
 """
 
 from __future__ import annotations

@@ -1,9 +1,10 @@
-"""Problems of tight places with known solutions, generated backwards: a tool is drawn out of a place, and the
-surroundings are built around its path.
+"""Generate problems of tight places with known solutions. Each problem is made backwards: a tool is drawn out
+of its place, and then the surroundings are built around its path.
 
 Forty problems on three arms: a tool in a box, on a shelf, in a cage, under a table, between two boxes, and a
 head under the rails of a T-slot, with openings that are 40 to 5 mm wider than the tool. The known path of
-each is free, checked every few millimetres; the straight path isn't. Nine more problems have no solution.
+each problem is free, checked every few millimetres; the straight path isn't free. Nine more problems have no
+solution.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ LENGTH, WIDTH, FOOT = 0.2, 0.05, 0.03
 HEAD, HEAD_LENGTH, SHAFT = 0.08, 0.03, 0.03
 """The other tool: width and length of a head, and width of its shaft [m]."""
 DRAWS = 5_000
-"""Most draws for a problem."""
+"""Largest number of draws for a problem."""
 DEEP, WALL, STEP = 0.16, 0.02, 0.004
 """Depth of the tool in its place, thickness of walls, and step at which the known path is checked [m]."""
 OUT = {"INDUSTRIAL6": 1, "TRACKED_MANIPULATOR": 1}
@@ -42,8 +43,8 @@ KINDS: tuple[tuple[str, tuple[int, ...]], ...] = (
     ("two boxes", (40, 20, 10)),
     ("t-slot", (20,)),
 )
-"""Kinds of problems, and excess widths of their openings over the tool [mm]: each on each arm; one more
-T-slot of 10 mm makes forty.
+"""Kinds of problems, with the differences between the widths of opening and tool [mm]. Each is drawn on each
+arm; one more T-slot of 10 mm makes forty.
 """
 
 
@@ -123,7 +124,7 @@ def _drawn(robot: Robot, kind: str, wider: int, random: np.random.Generator) -> 
     if out is None:
         return None
     built = tuple(_around(robot, kind, goal, wider * 1e-3, "A"))
-    known = out[::-1]  # into the place
+    known = out[::-1]  # from outside into the place
     if kind == "two boxes":
         other = _place(robot, random)
         back = _drawn_out(robot, other, kind)

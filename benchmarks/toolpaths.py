@@ -1,12 +1,12 @@
-"""Tool paths of thousands of short pieces: how long the compiler takes, how much memory, and how fast the
-tool goes.
+"""Measure tool paths of thousands of short motions: the compiler's time and memory, and the speed of the
+tool.
 
 python benchmarks/toolpaths.py [COUNT] [--robot NAME] [--path weld|bead|pocket|spiral] [--turning] [--rounds
 N] [--run]
 
-The ideal law is TOPP-RA's on the path that our text executes, at ten points a piece, within the same limits
-of velocity, acceleration and motors and the same speed of the tool; it knows no limit of the jerk. Both are
-measured on the first `IDEAL` pieces.
+The ideal law is TOPP-RA's on the path that our text executes, at ten points a motion, with the same limits of
+velocity, acceleration and motors and the same speed of the tool, but without a jerk limit. Both laws are
+measured on the first `IDEAL` motions.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ def main() -> None:
 
 
 def text(robot: str, path: str, count: int, *, turning: bool) -> str:
-    """Return a program of `count` pieces along a path."""
+    """Return a program of `count` motions along a path."""
     x, y, z = CENTRES[robot]
     points = [next(pieces) for pieces in [PATHS[path]()] for _ in range(count + 1)]
     lines, gone = [f"DEFAULT {{TCP}} [V {SPEED:g}] (mm,deg,s) {{B}}"], 0.0
@@ -104,7 +104,7 @@ def weld() -> Iterator[tuple[float, float, float]]:
 
 
 def bead() -> Iterator[tuple[float, float, float]]:
-    """Yield a path around a part with rounded corners, each round a little higher."""
+    """Yield a path around a part with rounded corners; each pass is slightly higher than the one before."""
     sides, radius = (160.0, 90.0), 25.0
     legs = [sides[0], math.pi / 2 * radius, sides[1], math.pi / 2 * radius] * 2
     whole, s = sum(legs), 0.0
@@ -143,7 +143,7 @@ def pocket() -> Iterator[tuple[float, float, float]]:
 
 
 def spiral() -> Iterator[tuple[float, float, float]]:
-    """Yield a path outwards and inwards again, 2 mm for each turn."""
+    """Yield a path outwards and inwards again, with 2 mm between turns."""
     angle, radius, way = 0.0, 15.0, 1.0
     for piece in _pieces():
         yield radius * math.cos(angle), radius * math.sin(angle), 0.0
@@ -156,7 +156,7 @@ PATHS = {"weld": weld, "bead": bead, "pocket": pocket, "spiral": spiral}
 
 
 def share_of_ideal(program: str, robot: str) -> dict[str, float]:
-    """Return the mean speed of our text, and its share of that of the ideal law."""
+    """Return the mean speed of our text, and its ratio to the mean speed of the ideal law."""
     import numpy as np
     import toppra
     import toppra.algorithm

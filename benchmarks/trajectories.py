@@ -1,9 +1,9 @@
-"""Timetables of many way-points: how long it takes to read, plan and prove them.
+"""Measure the time to read, plan and prove timetables of many waypoints.
 
 python benchmarks/trajectories.py [COUNT ...] [--rates] [--rounds N]
 
-Times are of a process that has everything imported, the best of some rounds; goals are 150 ms for 100
-way-points and 3 s for 10,000.
+The process has already imported everything; the times are the best of several rounds. Goals are 150 ms for
+100 waypoints and 3 s for 10,000.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ import yarclang
 from yarclang.syntax.parse import forget
 
 GOALS = {100: 0.15, 10_000: 3.0}
-"""Goals [s] by number of way-points."""
+"""Goals [s] by number of waypoints."""
 
 STEP = 0.1
-"""Time between two way-points [s]."""
+"""Time between two waypoints [s]."""
 
 
 def main() -> None:
@@ -35,7 +35,7 @@ def main() -> None:
         source = text(count, rates=asked.rates)
         times = []
         for _ in range(asked.rounds):
-            forget()  # the lines that were read
+            forget()  # empties the cache of lines that were read
             begun = time.perf_counter()
             made = yarclang.compile(source)
             times.append(time.perf_counter() - begun)
@@ -43,7 +43,7 @@ def main() -> None:
         goal = f", goal {GOALS[count]:g} s" if count in GOALS else ""
         command = made.value.certificate.commands[-1]
         print(
-            f"{count:,} way-points: {min(times):.3f} s{goal}; {command.segments:,} segments of "
+            f"{count:,} waypoints: {min(times):.3f} s{goal}; {command.segments:,} segments of "
             f"{command.segment_time * 1e3:.4g} ms, within "
             f"{command.deviation.angle:.2g} rad"
         )
@@ -51,7 +51,7 @@ def main() -> None:
 
 def text(count: int, *, rates: bool) -> str:
     """Return a program that moves all joints to and fro, each with its own period, through `count`
-    way-points.
+    waypoints.
     """
     times = STEP * np.arange(1, count + 1)
     middle = np.array([0.0, 0.0, 20.0, 0.0, 30.0, 0.0])

@@ -1,7 +1,7 @@
-"""The figures of the small checker in RESULTS.md: `python benchmarks/verifying.py [--lines 1000]`, in an
-environment with yarclang. Each text is compiled with its proof, then judged in a process of its own.
+"""Measure the small checker for RESULTS.md: `python benchmarks/verifying.py [--lines 1000]`, in an
+environment with yarclang. Each text is compiled with its proof, then judged in a separate process.
 
-Times are of the processor, and the shortest of all rounds; the memory is the largest.
+Times are CPU times, the shortest of all rounds; the memory is the largest.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ TM = "50"
 
 
 def judged(folder: Path, name: str, text: str, rounds: int, *options: str) -> None:
-    """Compile a program with its proof; print how long the checker takes for both, and how large they are.
+    """Compile a program with its proof. Print the checker's time, and the sizes of text and proof.
 
     Args:
         folder: an empty folder for the files.
         name: the name of the row.
         text: the program.
-        rounds: how often the checker is run.
+        rounds: number of runs of the checker.
         options: options of yarcc.
     """
     (folder / "p.yarc").write_text(text, encoding="utf-8")
@@ -49,7 +49,7 @@ def judged(folder: Path, name: str, text: str, rounds: int, *options: str) -> No
 
 
 def _verify(folder: Path) -> Process:
-    """Judge the text of a folder; its exit status must say that nothing is wrong in it."""
+    """Judge the text of a folder. The exit status must be that of a correct text."""
     code = (
         "import sys; from yarclang.verify.__main__ import main; "
         f"status = main({[str(folder / 'p.pmc'), str(folder / 'p.proof.json')]!r}); "

@@ -1,12 +1,14 @@
-"""Compare both checkers on the texts of changed compilers:
-`python benchmarks/verifying_mutants.py [--count 200]`.
+"""Compare both checkers on the texts of changed compilers: `python benchmarks/verifying_mutants.py [--count
+200]`.
 
-Each mutant of `mutants.py` compiles the programs of `mutant_corpus.py`. A text that differs from the one
-without the change is kept, even if the mutant's certificate refuses it. Then the unchanged judge and the
-small checker read that text. The checker gets the proof of the right text, with the hash of the changed one.
+Each mutant of `mutants.py` compiles the programs of `mutant_corpus.py`. A text that differs from the text of
+the unchanged compiler is kept, even if the mutant's certificate refuses it. Then the unchanged judge and the
+small checker read the kept text. The checker gets the proof of the unchanged compiler, with the hash of the
+kept text.
 
-A text that the judge refuses and the checker accepts, with nothing unchecked except torques, is printed as
-`ACCEPTED`. The exit status is then 1. Results are kept line by line, so a stopped run goes on.
+If the judge refuses a text that the checker accepts, with nothing unchecked except torques, the text is
+printed as `ACCEPTED`, and the exit status is 1. Results are kept line by line, so that a stopped run can be
+continued.
 """
 
 from __future__ import annotations
@@ -27,11 +29,11 @@ from mutant_corpus import cases, write  # after the threads are set: numpy comes
 from mutants import LONGEST, Mutation, apart, chosen, place_of, with_change
 
 WRITING = ("motion", "backend_pmac", "robot", "transforms.py")
-"""Files that decide what is written. Changes elsewhere give no other text."""
+"""Files whose code determines the written text. Changes elsewhere leave the text as it is."""
 
 
 def written(folder: Path) -> dict[str, str]:
-    """Return the first text that each program is given, before it is judged."""
+    """Return the first text that is written for each program, before any judgement."""
     import yarclang
     from yarclang.pipeline import stages
 
@@ -53,7 +55,7 @@ def written(folder: Path) -> dict[str, str]:
 
 
 def proofs(folder: Path) -> dict[str, dict[str, Any]]:
-    """Return the proofs of all programs that compile without a change."""
+    """Return the proofs of all programs that the unchanged compiler accepts."""
     import yarclang
     from yarclang.pipeline.proofs import proof_of
 
@@ -69,7 +71,9 @@ def proofs(folder: Path) -> dict[str, dict[str, Any]]:
 def verdicts(
     texts: dict[str, str], known: dict[str, dict[str, Any]], folder: Path
 ) -> list[tuple[str, str, str]]:
-    """Return (program, reasons of the judge, verdict of the checker) of each text; no reasons if it holds."""
+    """Return (program, the judge's reasons, the checker's verdict) of each text. There are no reasons if the
+    judge accepts the text.
+    """
     import yarclang
     from yarclang.verify.verdict import ALWAYS_UNCHECKED, verify
 

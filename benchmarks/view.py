@@ -1,8 +1,7 @@
-"""The figures of `yarc view` in RESULTS.md: `python benchmarks/view.py`, in an environment with
-yarclang[dev].
+"""Measure `yarc view` for RESULTS.md: `python benchmarks/view.py`, in an environment with yarclang[dev].
 
-A client of a few lines stands for the browser: a picture is there when it has been sent all that is drawn.
-What a browser takes to draw it isn't counted.
+A small client stands for the browser. The first picture is complete when the client has received everything
+to draw; the drawing time of a browser isn't included.
 """
 
 from __future__ import annotations
@@ -73,8 +72,8 @@ def _view(file: Path) -> tuple[float, float, float, float, float]:
 
 
 async def _picture(address: str) -> tuple[int, float]:
-    """Return the size of everything that is sent to a new page [bytes], and the time at which the last of it
-    has arrived.
+    """Return the size of everything that is sent to a new page [bytes], and the time at which the last byte
+    arrived.
     """
     import viser
     from websockets.asyncio.client import connect

@@ -1,5 +1,5 @@
-"""The figures of zones in RESULTS.md: `python benchmarks/zones.py`, in an environment with yarclang. Times
-are of the processor.
+"""Measure zones for RESULTS.md: `python benchmarks/zones.py`, in an environment with yarclang. Times are CPU
+times.
 """
 
 from __future__ import annotations
@@ -62,11 +62,11 @@ xyz = [-160, 870, 600]
 size = [600, 500, 200]
 speed = 250
 """
-"""A zone in which a third of the motions are."""
+"""A zone that contains a third of the motions."""
 
 
 def main() -> None:
-    """Measure all, and print the table."""
+    """Measure everything, and print the table."""
     robot = load_robot("INDUSTRIAL6").value
     opened = open_program(str(EXAMPLE), Options()).value
     assert robot is not None

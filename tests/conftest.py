@@ -1,4 +1,6 @@
-"""What the tests share: robots, the numbers worked out independently, and the flag that rewrites goldens."""
+"""Fixtures that the tests share: robots, independently computed numbers, and the flag that rewrites golden
+files.
+"""
 
 import gc
 import json
@@ -23,32 +25,33 @@ def pytest_addoption(parser):
 
 
 def pytest_collection_modifyitems(items):
-    """The browser's tests come first: they are slow, and at the end only one of the workers would be busy
-    with them.
+    """Run the browser's tests first: they are slow, and at the end of a run they would keep only one worker
+    busy.
     """
     items.sort(key=lambda item: item.path.name != "test_browser.py")
 
 
 @pytest.hookimpl(trylast=True)
 def pytest_collection_finish():
-    """What is there for the whole session isn't looked through for garbage again and again."""
+    """Exclude objects that live for the whole session from garbage collection."""
     gc.collect()
     gc.freeze()
 
 
 @pytest.fixture(scope="session", autouse=True)
 def place_of_locks():
-    """Locks and sockets of robots by themselves: others on this computer, tests too, may hold the same
-    addresses.
+    """Use separate folders for locks, sockets and caches, because other processes on this computer may use
+    the same addresses of robots.
     """
-    path = Path(tempfile.mkdtemp(prefix="yarc-tests-"))  # not tmp_path: the path of a socket must be short
+    # not tmp_path, because the path of a socket must be short
+    path = Path(tempfile.mkdtemp(prefix="yarc-tests-"))
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_RUNTIME_DIR", str(path))
         patch.setenv(SPACE, path.name)
         patch.setenv(
             "YARCLANG_NO_CACHE", "1"
-        )  # every test does its work itself; those of the cache say otherwise
-        patch.setenv(CACHE, str(path / "cache"))  # and no meshes that somebody has kept
+        )  # every test does its work itself, except for tests of the cache
+        patch.setenv(CACHE, str(path / "cache"))  # an empty folder, without meshes from earlier runs
         yield path
     shutil.rmtree(path, ignore_errors=True)
 
@@ -60,7 +63,7 @@ def rewrite_golden(request):
 
 @pytest.fixture(scope="session")
 def conformance():
-    """A function: the content of a conformance file by its name."""
+    """Return a function that reads a conformance file by its name."""
     return lambda name: json.loads((HERE / "conformance" / f"{name}.json").read_text())
 
 

@@ -1,10 +1,10 @@
-"""Floors of tests that draw their cases by chance: the share of the cases that must really be exercised.
+"""Floors for tests with random cases: the least share of the cases that must be exercised.
 
-A test that may leave a case early passes with an empty run if all cases are left early. Such a test counts
-its cases, and its floor fails the run.
+A test that may leave a case early would pass with an empty run if it left all cases early. Such a test counts
+its cases, and fails if a share is below its floor.
 
-A share of few cases is below its floor by chance now and then. Then more are drawn, and all of them together
-are held to the floor.
+The share of a few cases may be below its floor by chance. Then more cases are drawn, and all of them together
+must reach the floor.
 """
 
 import functools
@@ -13,22 +13,22 @@ from collections import Counter
 
 
 class Tally:
-    """Counts of drawn cases by what they are, and of the cases among them that were exercised."""
+    """Numbers of drawn cases by name, and of the cases among them that were exercised."""
 
     def __init__(self):
         self.drawn, self.reached = Counter(), Counter()
 
     def count(self, what, reached=True):
-        """Count one case of a name; `reached` says whether it was exercised."""
+        """Count one case under a name; `reached` is true if it was exercised."""
         self.drawn[what] += 1
         self.reached[what] += bool(reached)
 
     def below(self, floors):
-        """Return a sentence for each name whose share of exercised cases is below its floor, or of which no
-        case was drawn.
+        """Return a sentence for each name whose share of exercised cases is below its floor, or that has no
+        drawn case.
 
         Args:
-            floors: the least share by name; at least one case must be exercised in any case.
+            floors: the least share by name. For each name, at least one case must be exercised.
         """
         return [
             (
@@ -41,14 +41,14 @@ class Tally:
 
 
 ROUNDS = 8
-"""A test whose shares are below their floors draws its cases at most so many times."""
+"""Most rounds of drawing cases in which a test may reach its floors."""
 
 
 def exercises(**floors):
-    """Decorate a test that runs many drawn cases: the test gets a `tally`, and fails if a share is below its
-    floor in all rounds together.
+    """Decorate a test with many drawn cases: it gets a `tally`, and fails if a share over all its rounds is
+    below its floor.
 
-    The decorator stands above `given`, and `tally` is the first parameter of the test.
+    The decorator stands above `given`, and `tally` is the test's first parameter.
     """
 
     def decorate(test):

@@ -1,6 +1,6 @@
-"""Texts that people, editors and programs make of programs by mistake, and what must hold of any text.
+"""Mistakes that people, editors and software make in texts of programs, and laws that hold for any text.
 
-A text is drawn by a seed: one of the programs that are there, with some things done to it that make it wrong.
+A seed determines a text: one of the existing programs with some random damage.
 """
 
 import random
@@ -30,18 +30,18 @@ from yarclang.syntax.lines import code_of
 
 ROOT = Path(__file__).resolve().parents[1]
 LONGEST = 10_000
-"""Characters of a text, or a little more."""
+"""Most characters of a text, or a few more."""
 
 LONGEST_MESSAGE = 1_000
 
 PATIENCE, ALL_PATIENCE = 10.0, 60.0
-"""A check, and all that is asked of a text, is given up after this time of the processor [s]."""
+"""Limits of processor time for a check, and for all requests about a text [s]."""
 
 MANY_STEPS = 20_000
-"""From so many commands on the time is that of the loops, and not of the text."""
+"""From this number of steps on, the time depends on the loops rather than on the text."""
 
 PLANNED = 25
-"""One text of so many is planned as well."""
+"""Of this many texts, one is planned as well."""
 
 
 _TOKEN = re.compile(
@@ -78,25 +78,25 @@ FILES = (
     "tests/rejected/*.yarc",
     "tests/syntax/*.yarc",
 )
-"""Where whole programs are."""
+"""Patterns of files that contain whole programs."""
 
 
 @cache
 def programs() -> tuple[tuple[Path, str], ...]:
-    """The programs that are there, with the folders that they belong to."""
+    """Return the existing programs, each with its folder."""
     found = [
         (path.parent, path.read_text(encoding="utf-8"))
         for pattern in FILES
         for path in sorted(ROOT.glob(pattern))
     ]
-    found *= 3  # the examples of the pages are many, and short
+    found *= 3  # raises the share of whole files, because the pages have many short examples
     for page in sorted((ROOT / "docs").glob("*.md")):
         found += [(ROOT / "examples", block) for block in _BLOCK.findall(page.read_text(encoding="utf-8"))]
     return tuple(found)
 
 
 def drawn(seed: int) -> tuple[Path, str]:
-    """A text and the folder that it belongs to."""
+    """Draw a text, and return it with the folder that it belongs to."""
     draw = random.Random(f"texts {seed}")
     folder, text = draw.choice(programs())
     for _ in range(draw.choice((1, 1, 1, 2, 2, 3, 5, 8, 20))):
@@ -140,7 +140,7 @@ def character_replaced(text, draw):
 
 
 def all_of_one_replaced(text, draw):
-    """What an editor or a text processor does to all of them at once."""
+    """Replace all occurrences of one character, as editors and word processors do."""
     old, new = draw.choice(
         ((" ", "\u00a0"), (" ", "\u3000"), ("-", "\u2212"), ("-", "\u2013"), ('"', "\u201c"), ("\n", "\r"),
             ("\n", "\r\n"), ("\n", "\u2028"), ("\n", "\x85"),
@@ -238,7 +238,7 @@ def cut_off(text, draw):
 
 
 def spliced(text, draw):
-    """The beginning of one program and the end of another one."""
+    """Join the beginning of one program and the end of another one."""
     other = draw.choice(programs())[1]
     return text[: _place(text, draw)] + other[_place(other, draw) :]
 
@@ -277,12 +277,12 @@ def comments_of(text):
 
 
 class EndlessError(BaseException):
-    """Something takes longer than anybody waits. No `except Exception` may make a finding of it."""
+    """Raised if a request takes too long; as no Exception, it can't be turned into a finding."""
 
 
 @contextmanager
 def at_most(seconds: float):
-    """Give up what takes more time of the processor [s]."""
+    """Raise EndlessError after this processor time [s]."""
 
     def give_up(*_):
         raise EndlessError
@@ -306,9 +306,7 @@ def _placed(finding: Diagnostic) -> tuple[str, Span | None]:
 
 
 class Laws:
-    """What must hold of any text. A checker remembers what editors' servers remember, from one text to the
-    next.
-    """
+    """Laws that must hold for any text. The checker keeps what an editor's server keeps between texts."""
 
     def __init__(self) -> None:
         self.analysts = {robot: Analyst(Options(robot=robot)) for robot in (None, "INDUSTRIAL6")}
@@ -316,10 +314,10 @@ class Laws:
         self.unrolls_far = False
 
     def broken(self, seed: int, folder: Path, text: str) -> list[str]:
-        """The laws that a text breaks, in words.
+        """Return the laws that a text breaks, in words.
 
-        How long its check takes without planning [s] is kept in `seconds`, and in `unrolls_far` whether loops
-        of many rounds are the reason.
+        Afterwards, `seconds` has the time of the check without planning [s], and `unrolls_far` is true if
+        loops with many passes explain this time.
         """
         source = SourceFile(str(folder / "test.yarc"), text)
         try:
@@ -336,7 +334,7 @@ class Laws:
         return [*found, *self._planned(source, checked)] if seed % PLANNED == 0 else found
 
     def _planned(self, source: SourceFile, checked: Checked) -> list[str]:
-        """What breaks a law once the motions are planned. How long that takes is no matter of the text."""
+        """Return the broken laws of a planned text; if planning takes too long, none."""
         try:
             with at_most(PATIENCE):
                 return self._of_findings(source, check_further(checked))
@@ -348,7 +346,7 @@ class Laws:
         found = [*self._of_findings(source, checked), *_of_form(source), *_of_colours(text)]
         draw = random.Random(seed)
         again = self.analysts[_robot_of(text)].analyse(source, folder, quick=True)
-        # a quick look carries out fewer rounds of loops: then it finds the same fewer times
+        # a quick analysis unrolls fewer passes of loops, and so reports a finding fewer times
         told = _told if again.checked.begun is None or not _is_cut(again.checked) else _placed
         if [*map(told, again.diagnostics)] != [*map(told, checked.diagnostics)]:
             found.append("the server's analyst finds something else")
@@ -391,9 +389,7 @@ class Laws:
 
 
 def _robot_of(text: str) -> str | None:
-    """The robot that is said besides: the text's own, as far as it can be read, else that of most
-    programs.
-    """
+    """Return the robot option for a text: None if it names its own robot, else the robot of most programs."""
     return None if re.search(r"^[ \t]*ROBOT\b", text, re.MULTILINE) else "INDUSTRIAL6"
 
 
@@ -412,7 +408,9 @@ def _is_in(span, source):
 
 
 def _of_form(source: SourceFile) -> list[str]:
-    """The law of fmt: it refuses, or keeps words and comments, and does nothing the second time."""
+    """Return the broken laws of formatting: fmt either refuses, or keeps words and comments and changes
+    nothing when repeated.
+    """
     for renumber in (None, (10, 10)):
         made = usual_form(source, renumber)
         if made.value is None:

@@ -1,5 +1,5 @@
-"""Importing this leaves numpy one thread: the workers of a test run share the cores, and so do the
-processes that they start.
+"""Limits numpy to one thread on import: the workers of a test run, and the processes that they start, share
+the cores.
 """
 
 import os

@@ -1,4 +1,4 @@
-"""Programs in tests: the pipeline with its usual settings, and a short way to say what was found."""
+"""Shortcuts for tests: the pipeline with its usual settings, and the codes of findings."""
 
 import functools
 
@@ -13,7 +13,7 @@ def source(text, name="test.yarc"):
 
 
 def robot_of(robot):
-    """A robot itself, or by its name or path; those of the library are read once."""
+    """Return a robot from itself, its name or its path. Robots of the library are read once."""
     if not isinstance(robot, str):
         return robot
     return _of_library(robot) if robot.isidentifier() else load_robot(robot).value

@@ -1,5 +1,5 @@
-"""Any serial arm: made of its URDF by `yarc robot new` without a word, its programs are planned and
-certified.
+"""Tests with any serial arm: its robot.toml comes from its URDF by `yarc robot new` alone, and its programs
+are planned and certified.
 """
 
 import re
@@ -28,7 +28,9 @@ INDUSTRIAL6 = stdlib_folder() / "robots" / "industrial6"
 
 
 def in_joints(spec, values):
-    """Fewer than six joints follow no line of six values: for them, what is said in joint values."""
+    """Return the values of motions in joint space, as arms with fewer than six joints can't follow arbitrary
+    lines.
+    """
     return values.of_joints
 
 
@@ -39,14 +41,11 @@ def errors(diagnostics):
 
 
 HIT_THEMSELVES = {"talos-9", "baxter-left", "baxter-right", "tiago-8"}
-"""The HOME that is guessed for them is free, but these arms are so near to a leg, a torso or a column that
-they hit it beside it.
-"""
+"""Arms whose guessed HOME is free, but that hit a leg, a torso or a column close to it."""
 
 
 OVERLOADED = {"talos-9", "baxter-left", "baxter-right"}
-"""In the shortest times that guessed accelerations allow, or stretched out, these arms need a little more
-than their motors' efforts.
+"""Arms that need slightly more than their motors' efforts at the guessed accelerations or when stretched out.
 """
 
 
@@ -59,20 +58,20 @@ def test_a_real_arm_compiles_all_motions(name, tmp_path):
     result, diagnostics = compiled(text, str(tmp_path / "arm"))
     hits = (
         ("Y0902", "Y0925") if name in HIT_THEMSELVES else ()
-    )  # on the way, or in all configurations of a target
+    )  # collisions on a path, or in all configurations of a target
     home = first_free(robot, robot.home[None])
-    assert home == (0, ()), home  # what touches in HOME would not be checked at all
+    assert home == (0, ()), home  # pairs that touch in HOME would not be checked at all
     left = [one for one in errors(diagnostics) if not one.startswith(hits)]
     left = [one for one in left if name not in OVERLOADED or not one.startswith("Y18")]
     assert left == []
     assert (result is None) == (name in HIT_THEMSELVES)
-    # what isn't a guess is fine as it was made
+    # apart from guesses, the new robot needs no more work
     left = [item for item in check_robot(str(tmp_path / "arm")).items if item.verdict == "to do"]
     assert {item.subject for item in left} <= {"guess"}, left
 
 
 def test_every_command_with_every_target_is_in_the_program(industrial6):
-    """So that a new command comes to all arms by itself."""
+    """A new command must be added to the program, so that all arms are tested with it."""
     text = program(industrial6)
     for word in (
         "MOVEJ",
@@ -96,13 +95,16 @@ OF_INDUSTRIAL6 = sorted(
 
 
 THROUGH_THE_WRIST = {"07_inspection_tour.yarc": "Y0601"}
-"""One goes straight through a singularity of the wrist. The calibrated arm has none there but comes within
-0.01 deg of one, and would have to turn J4 half round in no time: that is refused, and truly so."""
+"""Example that passes a singularity of the wrist. The calibrated arm only comes within 0.01 deg of a
+singularity, where J4 would have to rotate by half a turn in no time, so that the finding is right.
+"""
 
 
 @pytest.mark.parametrize("example", OF_INDUSTRIAL6)
 def test_the_examples_compile_on_a_calibrated_arm(example, tmp_path):
-    """Each joint frame of INDUSTRIAL6 off by 0.1 mm and 0.01 deg: no closed form is left."""
+    """Each joint frame of INDUSTRIAL6 is off by 0.1 mm and 0.01 deg, so that inverse kinematics has no closed
+    form.
+    """
     arm, programs = tmp_path / "arm", tmp_path / "programs"
     arm.mkdir()
     (arm / "robot.toml").write_text((INDUSTRIAL6 / "robot.toml").read_text())
@@ -140,8 +142,8 @@ joint = st.one_of(
 @settings(max_examples=15, deadline=None, suppress_health_check=list(HealthCheck))
 @given(joints=st.lists(joint, min_size=1, max_size=9), seed=st.integers(0, 99))
 def test_a_random_chain(tally, joints, seed, tmp_path_factory):
-    """Its forward kinematics are Pinocchio's, inverse undoes forward, and its programs compile or say why
-    not.
+    """Forward kinematics equals Pinocchio's, inverse kinematics inverts it, and a program compiles or has
+    errors.
     """
     folder = tmp_path_factory.mktemp("chain")
     (folder / "chain.urdf").write_text(urdf_of(joints))
@@ -160,8 +162,7 @@ def test_a_random_chain(tally, joints, seed, tmp_path_factory):
     said = errors(diagnostics)
     assert (made_of_it is None) == bool(said)
     tally.count("compiled", made_of_it is not None)
-    # a random chain may hit itself, and a line may lead through a singularity or to a limit; nothing else may
-    # come of it
+    # the only possible errors: a random chain hits itself, or a line passes a singularity or a limit
     said = [one for one in said if not one.startswith(("Y0902", "Y0925"))]
     assert all(one[:3] in {"Y05", "Y06", "Y07", "Y08"} for one in said), said
     if len(joints) < 6:

@@ -1,4 +1,4 @@
-"""The public functions: their examples run as they stand, and they say what the doors say."""
+"""Tests of the public functions: their examples run unchanged, and they report what the command line does."""
 
 import doctest
 

@@ -1,4 +1,6 @@
-"""Bad input of every kind: one clear finding at the right place, no output file, no traceback."""
+"""Tests of bad input of every kind: there is one clear finding at the right place, no output file and no
+traceback.
+"""
 
 import json
 import os
@@ -18,7 +20,9 @@ GOOD = "P0010 MOVEJ 10 0 0 0 0 0 [2] (deg,s)\n"
 
 @pytest.fixture
 def run(tmp_path, monkeypatch):
-    """Compile bytes as a file; the exit status, the findings, and whether there is output."""
+    """Return a function that compiles bytes as a file. It returns the exit status, the findings, and True if
+    there is output.
+    """
     monkeypatch.chdir(tmp_path)
 
     def compile_bytes(content, *arguments, robot="INDUSTRIAL6"):
@@ -97,13 +101,13 @@ def test_many_faults_in_one_file_are_one_finding_each(run):
     ]
 
 
-# along the path: from a good place to a good place, with no good way between
+# along the path: both ends can be reached, but not the path between them
 
 NEAR = "START 0 -6.158742074 -46.519197172 0 52.677939245 0 (deg)\nDEFAULT {TCP} [20] (mm,deg,s) {B}\n"
 
 
 def test_a_line_that_leaves_the_workspace_says_where_and_by_how_much(run):
-    """The tool turns inwards: half way the wrist is 338 mm farther out than the tool, at y 1738, z 1500
+    """Half way, the tool points inwards, and the wrist is 338 mm farther out than the tool: at y 1738, z 1500
     mm.
     """
     program = "P0010 MOVEJ_RPY 0 1400 1500 0 0 95\nP0020 MOVEL 0 1400 1500 0 0 -95\n"
@@ -113,7 +117,7 @@ def test_a_line_that_leaves_the_workspace_says_where_and_by_how_much(run):
     wrist = ((1.738 - 0.2) ** 2 + (1.5 - 0.679) ** 2) ** 0.5
     reach = 0.89 + (0.6364**2 + 0.195**2) ** 0.5
     assert f"by up to {(wrist - reach) * 1e3:.0f} mm" in found[0]["message"]
-    assert "% of the way" in found[0]["message"]
+    assert "% of the path" in found[0]["message"]
 
 
 def test_a_line_past_the_robot_s_own_axis_needs_another_configuration(run):
@@ -121,7 +125,7 @@ def test_a_line_past_the_robot_s_own_axis_needs_another_configuration(run):
     status, found, written = run(NEAR + program)
     assert (status, written) == (1, False)
     assert [(one["code"], one["line"]) for one in found] == [("Y0801", 4)]
-    assert "% of the way" in found[0]["message"]
+    assert "% of the path" in found[0]["message"]
 
 
 def test_a_line_that_takes_a_joint_out_of_its_limits_says_which(run):
@@ -273,7 +277,7 @@ def test_an_older_output_is_left_and_named(tmp_path):
     program.write_text("P0010 MOVEK\n")
     done = runner.invoke(yarcc, [str(program), "--robot", "INDUSTRIAL6"])
     assert done.exit_code == 1
-    assert "was there before and is unchanged" in done.stderr
+    assert "existed before and is unchanged" in done.stderr
     assert (tmp_path / "p.pmc").read_bytes() == before
 
 
@@ -283,7 +287,7 @@ def test_unknown_commands_of_yarc_get_a_suggestion():
     assert "Did you mean check?" in done.output
 
 
-# what is no file, and what has no end
+# paths that are no file, and files without an end
 
 
 @pytest.mark.parametrize(
@@ -308,7 +312,7 @@ def test_one_error_at_once_at_every_door(tmp_path, monkeypatch, make, said):
         (yarc, ["plot", "p.yarc"], 1),
     ):
         if "folder" in said and (main is yarcc or arguments[0] in {"check", "fmt", "plot"}):
-            continue  # it means all programs in it
+            continue  # for these commands, a folder stands for all programs in it
         done = CliRunner().invoke(main, arguments)
         assert done.exit_code == status, done.output
         assert f"error Y0107: p.yarc can't be read: {said}" in done.stderr

@@ -1,4 +1,4 @@
-"""The benchmarks are programs that nobody calls for weeks: what they name must still be there."""
+"""Tests of the benchmarks: these scripts run rarely, so all names that they use must still exist."""
 
 import json
 import os
@@ -11,7 +11,7 @@ import pytest
 
 FOLDER = Path(__file__).parents[1] / "benchmarks"
 NEEDS = {"peer_rtb": "roboticstoolbox", "peer_search": "roboticstoolbox", "motion": "ruckig", "run": "pyperf"}
-"""Scripts that begin with an import of a peer, which has an environment of its own."""
+"""Scripts that import a library with which they compare; it may be missing in this environment."""
 
 SCRIPTS = sorted(
     path.stem for path in FOLDER.glob("*.py") if find_spec(NEEDS.get(path.stem, "yarclang")) is not None

@@ -1,4 +1,4 @@
-"""The numbers worked out independently, against what the pipeline makes of the same lines."""
+"""Tests of the pipeline against independently computed numbers."""
 
 import numpy as np
 import pytest
@@ -35,7 +35,9 @@ def test_lspb_is_the_paper_s_law(conformance):
 
 
 def test_the_executed_lspb_is_near_the_law():
-    """Ramps of one segment: within 4.1e-4 of the way for 400 segments, peaks 1.498 and 4.54."""
+    """Ramps have one segment: for 400 segments, the law is within 4.1e-4 of the ideal one, with peaks 1.498
+    and 4.54.
+    """
     made = load_profile("LSPB").law(LINE, BOUNDS)
     control = made.control(400, tuple(made.forms(400)[0].tolist()))
     law = made.pure(np.arange(401) / 400)
@@ -45,8 +47,9 @@ def test_the_executed_lspb_is_near_the_law():
 
 
 def test_movel_follows_the_line_of_the_conformance(conformance):
-    """At any time the executed motion lies on the line where the grid's law says, and the joint
-    positions of the independent inverse kinematics belong to the same line."""
+    """At any time, the executed motion is on the line where the grid's law has it. The joint positions of the
+    independent inverse kinematics belong to the same line.
+    """
     data = conformance("movel_line")
     plan, diagnostics = planned(START + data["command"])
     assert diagnostics == ()
@@ -56,8 +59,8 @@ def test_movel_follows_the_line_of_the_conformance(conformance):
     s = np.array([sample["s"] for sample in samples])
     expected = np.array([sample["q_deg"] for sample in samples])
     assert np.degrees(motion.path.joints(s)) == pytest.approx(expected, abs=1e-6)
-    # and in time: the executed law differs from the pure one by its ramps, and its blend of 27 segments for
-    # 26.7
+    # the executed law differs from the ideal one in time, because it has ramps, and because its acceleration
+    # takes 27 segments instead of 26.7
     q, _, _ = plan.sample(np.array([sample["t"] for sample in samples]))
     assert np.abs(np.degrees(q) - expected).max() < 0.2
 
@@ -76,7 +79,7 @@ def test_the_curve_is_the_controller_s_spline(conformance):
     points = np.array([data["start"]] * 3 + data["points"] + [data["points"][-1]] * 2)
     x, v, a = Curve(points, data["tm_ms"] / 1e3, np.zeros(len(points))).sample(np.array(data["t"]))
     for computed, name in ((x, "x"), (v, "v"), (a, "a")):
-        # the file has nine decimals; its velocities and accelerations are rounded likewise
+        # the file has nine decimals, and its velocities and accelerations are rounded likewise
         assert computed == pytest.approx(np.array(data[name]), abs=1e-6), name
 
 

@@ -1,5 +1,5 @@
-"""The examples with inputs, outputs and holds run on the simulator and end to a count, whatever the
-operator's patience.
+"""Tests of the examples with inputs, outputs and holds: on the simulator, each ends within one count of its
+goal, however long the operator waits.
 """
 
 import contextlib
@@ -32,17 +32,17 @@ from yarclang.simulator.beside import Beside
 from yarclang.simulator.commissioning import commissioned, stand
 
 NO_HOLD = ("24_recovery_at_start.yarc",)
-"""Those that hold only where the run before them was stopped in a certain phase."""
+"""Examples that hold only if the run before was stopped in a certain phase."""
 
 OWN_ROBOT = ("29_tool_changer.yarc",)
-"""Those that come with a robot.toml."""
+"""Examples with a robot.toml of their own."""
 
 NAMES = sorted(path.name for path in EXAMPLES.glob("*.yarc") if path.name >= "05")
 
 
 class Operator:
-    """Goes on at each HOLD, answers 2 where a number is asked, and tells the simulated cell which command
-    the program waits at, as the coordinator does.
+    """A simulated operator: resumes at each HOLD, answers 2 to each question for a number, and reports to the
+    simulated cell at which command the program waits, as the coordinator does.
     """
 
     def __init__(self, world, cell):
@@ -52,7 +52,7 @@ class Operator:
         self.look()
 
     def fill(self, given):
-        """Give what a camera sends to the program, as the coordinator does."""
+        """Give the program a camera's values, as the coordinator does."""
         operation = self.world.operation
         with contextlib.suppress(Trouble):
             values = checked_values(operation.wants, given.number, given.values)
@@ -79,7 +79,7 @@ class Operator:
 
 
 def cell_of(name, compiled, robot, folder=EXAMPLES):
-    """The machines that the example's script describes; those of a program that waits have one."""
+    """Return the simulated cell of an example's script; a program with a WAIT for an input must have one."""
     cell = compiled.program.cell
     sensed = {one.input for one in cell.sensors} if cell is not None else set()
     file = folder / f"{name.removesuffix('.yarc')}.inputs.toml"
@@ -152,7 +152,7 @@ def played(name, held=None, folder=EXAMPLES, outputs=None, within=600.0, stop=No
 
 
 def carried_out(name):
-    """Run an example to its end, which must be well; the world that it was run in, and its end."""
+    """Run an example to its end, which must be without a fault. Return the world of the run, and its end."""
     world, ended, job, operator = played(name)
     assert ended.well, ended.what
     robot, machine = job.robot, world.machine
@@ -174,8 +174,8 @@ def test_there_are_such_examples():
 
 
 def test_the_called_jobs_are_those_of_their_numbers():
-    """The first number changes after it was read; the gripper is tried twice; the second job is the other
-    one.
+    """The number of the first job changes after it is read, the gripper is tried twice, and the second job is
+    the other one.
     """
     name = "16_called_by_number.yarc"
     world, ended = carried_out(name)

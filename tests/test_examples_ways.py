@@ -1,5 +1,5 @@
-"""The examples 21 to 24 go through their ways: each script below lets the machines around the robot do
-something else.
+"""Tests of the branches of examples 21 to 24: in each script, the machines around the robot behave
+differently.
 """
 
 import shutil
@@ -19,11 +19,11 @@ BINS, BATCHES, SEAMS, RECOVERY = (
     "24_recovery_at_start",
 )
 LONG = 1500.0
-"""Two WAITs of ten minutes, one after the other, are over by then [s]."""
+"""Longest time of a run [s]: two WAITs of ten minutes, one after the other, end within it."""
 
 
 def entry(change, **when):
-    """An entry of a script: `entry("HELD=ON", at=2.0)`,
+    """Return an entry of a script: `entry("HELD=ON", at=2.0)`,
     `entry("BOX=OFF", output="BOX_FULL=ON", delay=1.0)`.
     """
     name, value = change.split("=")
@@ -36,7 +36,7 @@ def entry(change, **when):
 
 @pytest.fixture
 def play(tmp_path):
-    """Run an example with a script of entries in place of its own."""
+    """Return a function that runs an example with a script of the given entries instead of its own one."""
 
     def play(name, *entries, **options):
         shutil.copy(EXAMPLES / f"{name}.yarc", tmp_path)
@@ -47,7 +47,7 @@ def play(tmp_path):
 
 
 class Played:
-    """What a run has done, for a test to look at."""
+    """The results of a run."""
 
     def __init__(self, world, ended, job, operator):
         self.world, self.ended, self.operator = world, ended, operator
@@ -65,7 +65,7 @@ class Played:
 
     @property
     def said(self):
-        """All texts that the operator was told."""
+        """All texts that the operator got."""
         return "\n".join(one.text for one in self.world.told if isinstance(one, Remark))
 
     def holds(self, registers):
@@ -97,7 +97,7 @@ def test_the_full_good_bin_is_exchanged_before_the_next_part_is_put_there():
     assert any("how many parts does a bin take?" in why for why in run.operator.waits)
     assert run.values(LAMP) == [1.0, 0.0]
     assert run.values(SECOND_LAMP) == []
-    assert run.values(GRIP) == [1.0, 0.0] * 4  # good, bad, good, and behind the exchange good
+    assert run.values(GRIP) == [1.0, 0.0] * 4  # good, bad, good, and after the exchange of the bin, good
     (full,), (empty,) = run.times(LAMP, 1.0), run.times(LAMP, 0.0)
     assert not [one for one in run.times(GRIP, 0.0) if full < one < empty]
     assert run.holds({"GOOD": 1, "BAD": 1, "ALL_GOOD": 3})
@@ -154,15 +154,15 @@ def test_an_empty_belt_and_a_part_that_slips_are_got_over():
     run = own(BATCHES)
     assert run.ended.well, run.ended.what
     assert any("how many parts in a box?" in why for why in run.operator.waits)
-    assert run.values(SECOND_LAMP) == [1.0, 0.0]  # the belt was empty, once
+    assert run.values(SECOND_LAMP) == [1.0, 0.0]  # the belt was empty once
     assert "the belt is empty after 0 boxes" in run.said
-    assert run.values(GRIP) == [1.0, 0.0] * 5  # one slipped, two boxes of two
+    assert run.values(GRIP) == [1.0, 0.0] * 5  # one part slipped, then two boxes got two parts each
     assert run.values(LAMP) == [1.0, 0.0] * 2
     assert run.holds({"BOXES": 2, "SLIPPED": 1, "IN_A_ROW": 0})
 
 
 def test_nothing_is_put_onto_a_full_box(play):
-    """The full box is never taken away."""
+    """The full box is never taken away, so that the program ends."""
     run = play(BATCHES, entry("BOX=ON", at=0.0), entry("PART=ON", at=0.0), entry("HELD=ON", at=0.0))
     assert not run.ended.well
     assert "nobody takes the full box away" in run.ended.what
@@ -225,7 +225,7 @@ def test_three_tries_are_the_last(play):
 
 
 def test_nothing_is_welded_without_an_arc(play):
-    """The answer of the source is late: it comes when the arc is off again, and stays."""
+    """The source reports the arc only after it was switched off, so that the program strikes it once more."""
     run = play(SEAMS, JOB, entry("SEAM_1=ON", at=0.0), entry("BURNS=ON", output="ARC=OFF", delay=0.1))
     assert run.ended.well, run.ended.what
     assert run.values(ARC) == [1.0, 0.0, 1.0, 0.0]
@@ -247,9 +247,9 @@ MACHINE = (
     entry("MACHINE_EMPTY=OFF", place="P0200"),
     entry("MACHINE_EMPTY=ON", place="P0220", delay=1.0),
 )
-"""Fingers that say what they hold, and a machine that takes a second for each part."""
+"""A gripper that reports whether it holds a part, and a machine that takes one second for each part."""
 HELD_STILL = {"M1": 1}
-"""The gripper is shut when the run begins, as it was left."""
+"""The run before left the gripper closed."""
 
 
 def test_three_parts_are_made_where_nothing_was_left():
@@ -264,12 +264,14 @@ def test_three_parts_are_made_where_nothing_was_left():
 
 @pytest.mark.parametrize("phase", [0, 1, 2])
 def test_a_part_between_the_fingers_goes_to_the_chute(play, phase):
-    """Whatever was noted: the stop may have come between a deed and its note."""
+    """The part goes to the chute whatever the registers say, because the stop may have come between an action
+    and its record.
+    """
     before = (entry("MACHINE_EMPTY=ON", at=0.0), entry("HELD=ON", at=0.0))
     run = play(RECOVERY, *before, *MACHINE, held={"PHASE": phase, "DONE": 2, "LOST": 4}, outputs=HELD_STILL)
     assert run.ended.well, run.ended.what
     assert "it goes to the chute" in run.said
-    assert run.values(GRIP) == [0.0, 1.0, 0.0]  # over the chute; then the third part
+    assert run.values(GRIP) == [0.0, 1.0, 0.0]  # opens over the chute, then handles the third part
     assert run.values(LAMP) == []
     assert run.holds({"PHASE": 0, "DONE": 0, "LOST": 5})
     assert run.world.kept == {"PHASE": 0, "DONE": 0, "LOST": 5}
@@ -287,7 +289,7 @@ def test_a_part_that_stays_between_the_fingers_ends_the_program_over_the_chute(p
 @pytest.mark.parametrize("phase", [1, 2])
 @pytest.mark.parametrize("taken", ["MACHINE_EMPTY", "CLEARED"])
 def test_a_part_in_the_machine_is_taken_out_by_the_operator(play, phase, taken):
-    """In phase 1 the stop came when the part was in the machine already."""
+    """In phase 1, the run was stopped when the part was in the machine already."""
     after = () if taken == "MACHINE_EMPTY" else (entry("MACHINE_EMPTY=ON", at=20.0),)
     run = play(RECOVERY, entry(f"{taken}=ON", at=3.0), *after, *MACHINE, held={"PHASE": phase, "DONE": 1})
     assert run.ended.well, run.ended.what
@@ -306,13 +308,13 @@ def test_a_part_that_nobody_takes_out_of_the_machine_ends_the_program(play):
 
 
 STOPS = (2.0, 3.5, 4.5, 5.3, 5.6, 6.2, 6.8, 7.2, 7.6, 8.0, 8.4, 9.0)
-"""All along the first cycle, and into the second one [s]."""
+"""Times of stops during the first cycle and the beginning of the second one [s]."""
 
 
 @pytest.mark.parametrize("stop", STOPS)
 def test_a_run_goes_on_after_a_stop_at_any_time(play, stop):
-    """The second run finds what the first one kept, and what it left between the fingers and in the
-    machine.
+    """The second run continues with the registers of the first one, and with the parts that it left in the
+    gripper and in the machine.
     """
     first = own(RECOVERY, stop=stop)
     assert not first.ended.well
@@ -333,8 +335,8 @@ def test_a_run_goes_on_after_a_stop_at_any_time(play, stop):
 
 
 def test_these_stops_leave_all_that_can_be_left():
-    """Nothing, a part between the fingers, one in the machine whose deed was noted or wasn't, and one that
-    is counted.
+    """Together, the stops leave all possible states: no part, a part in the gripper, a part in the machine,
+    recorded or not, and a counted part.
     """
     found = set()
     for stop in STOPS:

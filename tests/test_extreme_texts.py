@@ -1,5 +1,5 @@
-"""Texts that are as deep, as long or as large as nobody writes them: a finding soon, at every door, and no
-failure.
+"""Tests of extremely deep, long or large texts: each soon gets a finding, from every part of yarclang, and
+nothing fails.
 """
 
 import gc
@@ -14,7 +14,7 @@ from yarclang.source import SourceFile
 
 DEEP = 10_000
 LONG = 99_000
-"""Characters of a line that is still read."""
+"""Characters of the longest lines here; such a line is still read."""
 
 TEXTS = {
     "brackets": "LET A = " + "(" * LONG,
@@ -53,8 +53,8 @@ TEXTS = {
         "LET E = SQRT(-1)\n"
         "REPEAT $B\n"
         "END"),
-    "way-points": "P0010 MOVEJ_SPLINE " + "; ".join(["0 0 0 0 0 0"] * 7_000) + " [5] (deg,s)",
-    "way-points in lines": "P0010 MOVEJ_SPLINE 0 0 0 0 0 0;\n" + "0 0 0 0 0 1;\n" * 20_000 + "0 0 0 0 0 0 [5] (deg,s)",  # noqa: E501
+    "waypoints": "P0010 MOVEJ_SPLINE " + "; ".join(["0 0 0 0 0 0"] * 7_000) + " [5] (deg,s)",
+    "waypoints in lines": "P0010 MOVEJ_SPLINE 0 0 0 0 0 0;\n" + "0 0 0 0 0 1;\n" * 20_000 + "0 0 0 0 0 0 [5] (deg,s)",  # noqa: E501
     "values": "P0010 MOVEJ " + "1 " * 45_000,
     "words": "P0010 MOVEJ " + "a " * 45_000,
     "options": "P0010 MOVEJ HOME [5] (s) " + "BLEND 5 " * 11_000,
@@ -80,10 +80,10 @@ TEXTS = {
     "line ends of other programs": "\u2028" * 90_000,
     "line ends of other programs before words": "P0010 STOP" + "\u2028A" * 40_000,
     "marks of direction in comments": "! " + "\u202e" * 90_000,
-    "marks in way-points": "P0010 MOVEJ_SPLINE 0;\n" + "0\u00a0;\n" * 20_000,
+    "marks in waypoints": "P0010 MOVEJ_SPLINE 0;\n" + "0\u00a0;\n" * 20_000,
 }  # fmt: skip
 SECONDS = 12.0
-"""Of the processor, for a check: a quarter of it is what a quiet machine takes."""
+"""Longest processor time of a check [s]; a quiet machine takes a quarter of it."""
 
 
 @pytest.mark.parametrize("name", TEXTS)
@@ -95,15 +95,30 @@ def test_it_is_told_soon_and_nothing_fails(name, tmp_path):
 
 
 SHORT = 10_000
-"""Characters of a text that an editor's quick look is timed with."""
+"""Characters of a text for which an editor's quick analysis is timed."""
 
 QUICKLY = 0.5
-"""Of the processor, for a quick look [s]: 0.25 s is promised for a quiet machine."""
+"""Longest processor time of a quick analysis [s]; 0.25 s is promised for a quiet machine. On a slower or busy
+machine, the bound grows with the time of `yardstick`.
+"""
+
+YARDSTICK = 0.03
+"""Processor time of `yardstick` on the quiet machine for which QUICKLY was chosen [s]."""
+
+
+def yardstick():
+    """Return the processor time of some fixed work on objects [s]."""
+    begin = time.process_time()
+    table = {}
+    for number in range(60_000):
+        table[str(number)] = [number, (number,)]
+    assert len(table) == 60_000
+    return time.process_time() - begin
 
 
 def filled(line, head="DEFAULT {TCP} [5] (mm,deg,s) {B}\n", tail=""):
-    """Return a text of SHORT characters: `line` again and again, with its number for {k} and the one
-    before for {j}.
+    """Return a text of SHORT characters that repeats `line`, with {k} replaced by the line's number and {j}
+    by the number before.
     """
     text, number = head, 1
     while len(text) + len(tail) < SHORT:
@@ -166,11 +181,13 @@ def test_a_quick_look_is_quick(name, tmp_path):
     analyst.analyse(SourceFile("warm.yarc", "P0010 STOP\n"), tmp_path, quick=True)
     assert len(MANY[name]) < 1.05 * SHORT
     gc.collect()
-    gc.freeze()  # what other tests have left is no matter of this text
+    gc.freeze()  # the objects of other tests must not slow down this analysis
+    slow = yardstick()
     begin = time.process_time()
     analyst.analyse(SourceFile("test.yarc", MANY[name]), tmp_path, quick=True)
     took = time.process_time() - begin
+    slow = max(slow, yardstick())
     gc.unfreeze()
     gc.collect()
-    gc.freeze()  # as tests/conftest.py leaves it
-    assert took < QUICKLY
+    gc.freeze()  # restores the state that tests/conftest.py made
+    assert took < QUICKLY * max(1.0, slow / YARDSTICK)

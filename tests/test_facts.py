@@ -1,5 +1,5 @@
-"""Facts don't come back out of prose: nobody reads a message, and which findings belong together is said
-in the catalogue.
+"""Tests that no code extracts facts from sentences: no code searches in a message, and the catalogue says
+which findings belong together.
 """
 
 import ast
@@ -19,7 +19,7 @@ READING = {
     *("removeprefix", "removesuffix", "replace", "rfind", "rindex", "rpartition", "rsplit", "rstrip"),
     *("split", "splitlines", "startswith", "strip", "title", "translate", "upper"),
 }
-"""Methods of a text that look for something in it."""
+"""Methods of strings that search or change a text."""
 
 MATCHING = {"findall", "finditer", "fullmatch", "match", "search", "split", "sub", "subn"}
 """Functions of `re`, and methods of its patterns."""
@@ -30,7 +30,7 @@ ALLOWED = {
     "simulated_cell/script.py": "a remedy becomes a sentence of its own: its first letter",
     "cell/description.py": "a remedy becomes a sentence of its own: its first letter",
 }
-"""Modules and folders that change a sentence, and why this tells them nothing."""
+"""Modules and folders that change sentences, each with the reason why they extract no facts."""
 
 CODE, LENGTH = re.compile(r"Y\d{4}"), 5
 
@@ -49,7 +49,7 @@ def is_code(node: ast.AST) -> bool:
 
 
 def named(tree: ast.AST) -> frozenset[str]:
-    """Return the names that only stand for a sentence of something else, as `text = one.message`."""
+    """Return the names to which only sentences are assigned, such as `text` in `text = one.message`."""
     given: dict[str, bool] = {}
     for node in ast.walk(tree):
         if isinstance(node, ast.Assign) and len(node.targets) == 1 and isinstance(node.targets[0], ast.Name):
@@ -59,13 +59,13 @@ def named(tree: ast.AST) -> frozenset[str]:
 
 
 def read_back(tree: ast.AST) -> Iterator[tuple[int, str]]:
-    """Yield line and way of all that looks into a sentence, or into a code."""
+    """Yield the line and a description of each expression that looks into a sentence or a code."""
     apart = {
         id(node.value)
         for node in ast.walk(tree)
         if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Tuple)
     }
-    """What gives each code a name of its own."""
+    """Nodes that are unpacked into several names, for example the parts of a code."""
     functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)]
     seen: set[tuple[int, str]] = set()
     for scope in (tree, *functions):
@@ -78,7 +78,7 @@ def read_back(tree: ast.AST) -> Iterator[tuple[int, str]]:
 
 
 def way_of(node: ast.AST, names: frozenset[str]) -> str:
-    """Return how a node looks into a sentence or a code; nothing if it doesn't."""
+    """Return a description if a node looks into a sentence or a code, else ""."""
     match node:
         case ast.Call(func=ast.Attribute(value=value, attr=attr)) if attr in READING:
             if is_prose(value, names):
@@ -115,8 +115,8 @@ def allowed(path: str) -> bool:
 
 
 def test_nobody_reads_a_message_back():
-    """What a message says for people, `Diagnostic.subject` says for programs; `findings/` says which
-    findings belong together.
+    """Programs read `Diagnostic.subject` instead of messages, and `findings/` says which findings belong
+    together.
     """
     found = [
         f"{name}:{line}: {way}"

@@ -1,4 +1,6 @@
-"""A file is written whole or not at all: modes, links, full disks, kills."""
+"""Tests of writing files: a file is written as a whole or not at all, for all modes and links, full disks and
+kills.
+"""
 
 import os
 import resource
@@ -62,7 +64,8 @@ def test_what_is_write_protected_stays(tmp_path, monkeypatch):
     path = tmp_path / "a.yarc"
     path.write_bytes(b"x")
     path.chmod(0o444)
-    monkeypatch.setattr(os, "access", lambda path, how: False)  # root may write everything
+    # otherwise, this test would fail for root, who may write everything
+    monkeypatch.setattr(os, "access", lambda path, how: False)
     with pytest.raises(PermissionError, match="write-protected"):
         replace_file(path, b"y")
     assert (path.read_bytes(), sorted(tmp_path.iterdir())) == (b"x", [path])
@@ -74,7 +77,7 @@ def test_a_device_is_written(tmp_path):
 
 
 def test_nothing_is_lost_on_a_full_disk(tmp_path):
-    """A limit of the size of files fails as a full disk does: in the middle of the writing."""
+    """Writing beyond a limit on the size of files fails as a full disk does: in the middle of writing."""
     path = tmp_path / "a.yarc"
     path.write_bytes(b"x" * 1000)
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
@@ -159,7 +162,7 @@ def test_what_is_no_file_is_refused_at_once(tmp_path):
 
 
 def test_a_file_that_grows_without_end_is_given_up(tmp_path):
-    """Files of /proc have no size that could be asked for."""
+    """Files in /proc don't state their size, so that only reading shows that a file is too large."""
     assert "more than 10 bytes" in refused(Path("/proc/self/environ"), 10)
 
 

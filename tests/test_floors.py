@@ -1,4 +1,4 @@
-"""The floors themselves: an empty run fails, whatever leaves its cases."""
+"""Tests of floors: a test without exercised cases fails, whatever made it leave them."""
 
 import pytest
 from floors import Tally, exercises

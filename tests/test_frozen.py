@@ -1,4 +1,4 @@
-"""`frozen` makes what `dataclass(frozen=True, slots=True)` makes."""
+"""Tests of `frozen`: it makes the same classes as `dataclass(frozen=True, slots=True)`."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Point:
 
 @frozen
 class One:
-    """A value of one field."""
+    """A value with one field."""
 
     x: object
 
@@ -38,14 +38,14 @@ class Nothing:
 
 @frozen(eq=False)
 class Thing:
-    """Something that equals only itself."""
+    """An object that equals only itself."""
 
     name: str
 
 
 @frozen
 class Spot(Point):
-    """A point with a name, which checks itself, and has a text of its own."""
+    """A named point that checks its values and has its own `repr`."""
 
     name: str = ""
 
@@ -58,7 +58,7 @@ class Spot(Point):
 
 
 def as_dataclass(cls):
-    """The same class, made by `dataclass`."""
+    """Return the same class, made by `dataclass`."""
     names = {name: content for name, content in cls.__dict__.items() if name in ("__doc__", "__module__")}
     names |= {"__annotations__": dict(cls.__annotations__), "__qualname__": cls.__qualname__}
     for one in fields(cls):

@@ -1,5 +1,5 @@
-"""Each example compiles to just the bytes and the plan that stand in tests/golden; --rewrite-golden writes
-them anew.
+"""Tests that each example compiles to exactly the bytes and the plan in tests/golden; --rewrite-golden writes
+them again.
 """
 
 import functools
@@ -23,17 +23,17 @@ def make(path, target="rotary"):
     opened = open_program(str(path), Options(robot=robot, target=target))
     compiled = compile_module(opened.value.module, opened.value.request)
     assert not [one for one in (*opened.diagnostics, *compiled.diagnostics) if one.is_error]
-    # versions of libraries stand in the header: the rest doesn't depend on them
+    # versions of libraries are replaced: apart from the header, the text doesn't depend on them
     text = re.sub(r"; made with .*", "; made with ...", compiled.value.text)
     return re.sub(r"; yarcc \S+:", "; yarcc ...:", text), compiled.value
 
 
 first = functools.cache(make)
-"""What was made of a program the first time: two tests ask for it."""
+"""The result of the first compilation of a program, which two tests need."""
 
 
 def summary(compiled):
-    """A plan for reading: each motion with its segments, and where it ends."""
+    """Return a readable summary of a plan: the segments, the end and the peaks of each motion."""
     lines = []
     robot = compiled.plan.robot
     for motion, proved in zip(compiled.plan.motions, compiled.certificate.commands, strict=True):
@@ -52,7 +52,13 @@ def compare(path, content, rewrite):
     if rewrite:
         path.parent.mkdir(exist_ok=True)
         path.write_text(content)
-    assert path.read_text() == content, f"{path.name} differs; --rewrite-golden writes it anew"
+    # Two examples are planned at a margin at which processors with and without AVX-512 round differently.
+    # Each kind of processor has its own file, `out.pmc` and `out.avx2.pmc`.
+    accepted = [
+        path.read_text(),
+        *(one.read_text() for one in path.parent.glob(f"{path.stem}.avx2{path.suffix}")),
+    ]
+    assert content in accepted, f"{path.name} differs; --rewrite-golden writes it anew"
 
 
 @pytest.mark.parametrize("program", PROGRAMS, ids=lambda path: path.stem)

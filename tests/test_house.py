@@ -1,5 +1,5 @@
-"""Rules of the house that import-linter doesn't hold: names of folders and modules, clocks, threads,
-sockets, start-up, circles, files that are named in texts.
+"""Tests of the house rules that import-linter can't check: names of folders and modules, clocks, threads,
+sockets, start-up, circular imports, and files that are named in texts.
 """
 
 import ast
@@ -14,7 +14,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "yarclang"
 DOORS = ("cli", "lsp", "repl")
-"""Folders of the package that talk to the world."""
+"""Folders whose modules may use clocks, threads, sockets and the terminal."""
 SOCKETS = {
     "campaign/judging.py": {"time"},
     "campaign/state.py": {"fcntl"},
@@ -68,9 +68,11 @@ SOCKETS = {
     "pendant/workspace/checks.py": {"asyncio"},
     "pendant/workspace/workspace.py": {"asyncio"},
     "pendant/web/alarms.py": {"asyncio"},
+    "pendant/web/connection.py": {"asyncio"},
     "pendant/web/controller.py": {"asyncio"},
     "pendant/web/backup.py": {"asyncio"},
     "pendant/web/files.py": {"asyncio"},
+    "pendant/web/guard.py": {"asyncio"},
     "pendant/web/health.py": {"asyncio"},
     "pendant/web/people.py": {"time"},
     "pendant/web/program.py": {"asyncio"},
@@ -91,7 +93,7 @@ SOCKETS = {
     "ros/node/ros2_shell.py": {"concurrent", "threading", "time"},
     "ros/serving.py": {"asyncio", "socket"},
     "runtime/log.py": {"datetime", "queue", "threading", "time"},
-    "runtime/session.py": {"asyncio"},
+    "runtime/session.py": {"asyncio", "time"},
     "runtime/transports/lock.py": {"datetime", "selectors", "socket", "threading", "time"},
     "runtime/transports/private.py": {"socket", "tempfile"},
     "runtime/transports/promptness.py": {"threading"},
@@ -108,8 +110,8 @@ SOCKETS = {
     "view/server.py": {"http"},
     "view/show.py": {"queue", "time"},
 }
-"""Modules that do so in the other folders, and what each needs: the protocols themselves know neither
-socket nor clock.
+"""Modules in other folders that may import something of WORLD, and what each may import. The protocols
+themselves use neither sockets nor clocks.
 """
 DRAWERS = {"common", "helper", "helpers", "manager", "managers", "misc", "util", "utils"}
 WORLD = {
@@ -136,7 +138,7 @@ WORLD = {
     "uuid",
     "webbrowser",
 }
-"""Modules that make a result depend on more than its arguments, or talk past the doors."""
+"""Modules by which a result could depend on more than its arguments, or that communicate past the doors."""
 
 
 def modules(*folders: str) -> list[Path]:
@@ -144,7 +146,7 @@ def modules(*folders: str) -> list[Path]:
 
 
 def worldly(tree: ast.AST) -> Iterator[tuple[int, str]]:
-    """Line and name of each import of WORLD and each call of print and input."""
+    """Yield line and name of each import of WORLD, and of each call of print or input."""
     for node in ast.walk(tree):
         match node:
             case ast.Import(names=names):
@@ -160,7 +162,7 @@ def test_there_is_something_to_look_at():
 
 
 def test_no_drawers():
-    """A module is named after what it knows."""
+    """A module is named after what it knows, so that names such as `utils` are refused."""
     paths = [*modules("yarclang", "tests", "benchmarks")]
     drawers = [
         str(path.relative_to(ROOT))
@@ -171,8 +173,8 @@ def test_no_drawers():
 
 
 def test_only_doors_talk_to_the_world():
-    """The same input gives the same bytes: no clock, thread, socket or print below the doors, but for what
-    SOCKETS allows.
+    """The same input gives the same bytes: outside the doors, only modules in SOCKETS may use clocks,
+    threads, sockets or print.
     """
     found = [
         f"{path.relative_to(ROOT)}:{line}: {name}"
@@ -221,7 +223,7 @@ def test_the_rule_spares(source: str):
     [("yarclang", set()), ("yarclang.cli.yarcc", {"click"}), ("yarclang.cli.yarc", {"click"})],
 )
 def test_a_door_opens_without_the_libraries_that_take_long(door: str, libraries: set[str]):
-    """They are imported where they are first used, so that `--help` is quick."""
+    """Slow libraries are imported where they are first used, so that `--help` is quick."""
     code = f"import sys; before = set(sys.modules); import {door}; print(*set(sys.modules) - before)"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     loaded = {name.partition(".")[0] for name in run.stdout.split()}
@@ -230,14 +232,14 @@ def test_a_door_opens_without_the_libraries_that_take_long(door: str, libraries:
 
 
 NAMED = re.compile(r"`([a-z._][\w.-]*(?:/[\w.-]+)*/?)`")
-"""A file or folder in backticks. PMAC commands such as `J/` begin with a capital letter."""
+"""A file or folder in backticks. (PMAC commands such as `J/` begin with a capital letter.)"""
 
 
 def lost(text: str, *rooms: Path) -> list[str]:
-    """Return the files and folders that a text names and that aren't there.
+    """Return the files and folders that a text names and that don't exist.
 
-    A name is looked for from the top, from the package, from `rooms`, and from folders that are named before
-    it.
+    A name is looked for in the repository's top folder, in the package, in `rooms`, and in folders that the
+    text has named before.
     """
     places, missing = [ROOT, PACKAGE, *rooms], []
     for name in NAMED.findall(text):
@@ -250,8 +252,8 @@ def lost(text: str, *rooms: Path) -> list[str]:
 
 
 def pieces(page: str) -> list[str]:
-    """Return the pieces of a page within which names follow each other: rows of tables, and paragraphs;
-    sections in CONTRIBUTING.md.
+    """Return the parts of a page in which a name may refer to a folder named before: rows of tables and
+    paragraphs, or sections in CONTRIBUTING.md.
     """
     text = (ROOT / page).read_text()
     if page == "CONTRIBUTING.md":
@@ -297,10 +299,10 @@ def test_names_of_files_that_are_gone_are_seen():
 
 
 def imports() -> dict[str, set[str]]:
-    """Return, for each module of the package, the modules that it imports anywhere: in functions and for
-    types too.
+    """Return the modules of the package that each module imports, including imports in functions and for
+    types.
 
-    Without the package's own face, which imports the pipeline and gives it its version.
+    The package's own `__init__` is left out: it imports the pipeline, which imports its version.
     """
     files = {
         ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): path

@@ -1,4 +1,4 @@
-"""Keys of what steps do."""
+"""Tests of the keys that say what steps do."""
 
 from dataclasses import fields, replace
 from typing import get_args
@@ -38,8 +38,8 @@ parts = st.recursive(plain, lambda inner: st.lists(inner, max_size=3).map(tuple)
 
 
 def spelled(part):
-    """What is to be told apart: 0.0 is another value than -0.0, 1 another than 1.0, and any NaN is like
-    another (of either sign, which nothing computes).
+    """Return a value that distinguishes 0.0 from -0.0 and 1 from 1.0, but no two NaNs. (The sign of a NaN is
+    ignored, because nothing computes it.)
     """
     return tuple(map(spelled, part)) if isinstance(part, tuple) else (type(part), repr(part))
 
@@ -51,7 +51,7 @@ def test_pieces_are_equal_where_their_parts_are(one, other):
 
 @given(part=parts)
 def test_it_is_the_value_that_counts_not_the_object(part):
-    """A text that was put together anew, or that another name holds as well, is the same."""
+    """A string that is built again, or that has two names, has the same key."""
     again = eval(repr(part), {"nan": float("nan"), "inf": float("inf")})
     assert flat(again) == flat(part)
     assert flat(part, part) == flat(again, part)
@@ -99,7 +99,7 @@ OTHERS = {
 
 @pytest.mark.parametrize("kind", get_args(Motion))
 def test_the_key_of_a_motion_has_every_field(kind):
-    """A proof that is kept is never taken for a motion that does something else."""
+    """A remembered proof is never used for a motion that does something else."""
     named = [one.name for one in fields(kind) if one.name != "origin"]
     origin = Origin("P0010", "MOVE", SOURCE, Span.on_line(1, 1, 2))
     values = {name: OTHERS[name][0] for name in named}
@@ -107,7 +107,7 @@ def test_the_key_of_a_motion_has_every_field(kind):
     assert key_of(kind(origin=replace(origin, index="P0020"), **values)) == key_of(step)
     for name in named:
         is_same = key_of(replace(step, **{name: OTHERS[name][1]})) == key_of(step)
-        assert is_same == (name == "file")  # where a table lies says nothing of what it holds
+        assert is_same == (name == "file")  # the name of a table's file doesn't change the motion
 
 
 @pytest.mark.parametrize("part", ["times", "positions", "velocities", "accelerations"])

@@ -1,4 +1,4 @@
-"""No neutral room has a word of one kind of controller: import-linter sees imports alone."""
+"""Tests that no neutral module mentions one kind of controller; import-linter only finds imports."""
 
 import re
 from functools import cache
@@ -9,14 +9,14 @@ import pytest
 PACKAGE = Path(__file__).resolve().parents[1] / "yarclang"
 
 OWN = ("backend_pmac", "certify/pmac", "pmac", "runtime/pmac", "simulator", "verify")
-"""The rooms of the kind; `verify` checks its texts."""
+"""Folders that belong to one kind of controller; `verify` checks its texts."""
 
 WORDS = re.compile(
     r"turbo|pmac|\.pmc\b|rotary|\bP81\d\d\b|(?-i:\bM[1-9]\d*\b)|\bixx?\d\d\b|\bi8\b|\bi10\b|SPLINE1|DWELL0"
     r"|\bBSTART\b",
     re.IGNORECASE,
 )
-"""Names of the kind, of its files, its buffer, its variables and its statements."""
+"""Words for this kind of controller, its files, its buffer, its variables and its statements."""
 
 EXAMPLES = "an example of a program or a cell for INDUSTRIAL6, which hangs on a Turbo PMAC"
 HELP = "what people read of the kind that is delivered; what happens is asked of the backend"
@@ -52,18 +52,18 @@ ALLOWED = {
     "words/builtin/input.py": EXAMPLES,
     "words/builtin/output.py": EXAMPLES,
 }
-"""Modules and folders with such words, and why they are no knowledge of the kind."""
+"""Modules and folders that may use such words, each with the reason."""
 
 
 def spoken(source: str) -> list[tuple[int, str]]:
-    """Return line and text of each word of the kind."""
+    """Return line and text of each word for the kind of controller."""
     lines = enumerate(source.splitlines(), 1)
     return [(number, found.group()) for number, line in lines for found in WORDS.finditer(line)]
 
 
 @cache
 def neutral() -> dict[str, list[tuple[int, str]]]:
-    """Return what each module outside the rooms of the kind says."""
+    """Return the words for the kind in each module outside its own folders."""
     names = {path.relative_to(PACKAGE).as_posix(): path for path in PACKAGE.rglob("*.py")}
     return {
         name: spoken(path.read_text(encoding="utf-8"))

@@ -1,7 +1,7 @@
-"""docs/language.md says what the program does: its examples are compiled, its tables are compared.
+"""Tests of docs/language.md: its examples compile as it says, and its tables are those of the program.
 
 `pytest tests/test_language_reference.py --rewrite-golden` writes the table of codes and the answers of
-section 8 anew.
+section 8 again.
 """
 
 import re
@@ -46,7 +46,7 @@ def table_of_codes() -> str:
 
 
 def rewritten(part: re.Pattern[str], today: str) -> str:
-    """Put today's text between two markers of the reference."""
+    """Replace the text between two markers of the reference by the present one, and return it."""
     text = REFERENCE.read_text(encoding="utf-8")
     REFERENCE.write_text(part.sub(lambda _: today, text), encoding="utf-8")
     return today
@@ -62,12 +62,12 @@ endloop
 endfacet
 endsolid a
 """
-"""A mesh beyond the robot's reach."""
+"""A mesh outside the robot's reach."""
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """The TOML files that the reference shows, and the meshes that they name."""
+    """Return a folder with the TOML files that the reference shows, and the meshes that they name."""
     made = tmp_path_factory.mktemp("reference")
     for block in _TOML.finditer(TEXT):
         (made / block["name"]).write_text(block["content"])
@@ -78,7 +78,7 @@ def folder(tmp_path_factory):
 
 @pytest.mark.parametrize(("info", "program"), BLOCKS)
 def test_example(info, program, folder):
-    """An example compiles without a finding, or has just the findings that stand at its head."""
+    """An example compiles without a finding, or has exactly the findings that are named above it."""
     robot = robot_of(program)
     load_cell = cell_loader(folder, load_robot(robot).value)
     value, diagnostics = compiled(program, robot, load_cell=load_cell)

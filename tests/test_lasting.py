@@ -1,4 +1,4 @@
-"""How long a program takes: one value, and the same wherever it is said."""
+"""Tests of a program's duration: all parts of yarclang report the same value."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ P0100 MOVEJ 0 0 0 0 0 0 [1.5] (deg,s)
 TAKES = "10.000 to 15.000 s and 1 to 2 waits"
 
 
-# the value
+# the value itself
 
 
 @pytest.mark.parametrize(
@@ -91,13 +91,13 @@ def test_a_way_that_has_no_end_ends_with_the_program():
     assert schedule_of(["else", 1.0, "end"]).lasting == known(1.0)
 
 
-# everywhere
+# all places that report it
 
 
 @dataclass
 class Drawn:
-    """The lines of some commands, and how long they take: (least, most, fewest, waits), computed
-    independently.
+    """The lines of some commands, and their independently computed duration: (least time, most time, fewest
+    waits, most waits).
     """
 
     lines: list[str]
@@ -129,7 +129,7 @@ TREES = st.lists(
 
 
 class Writer:
-    """Writes a tree as a program: the first joint goes to and fro."""
+    """Writes a tree as a program whose first joint moves back and forth."""
 
     def __init__(self):
         self.number = 0
@@ -196,7 +196,7 @@ def check_everywhere(text, folder, takes):
     assert compiled is not None, [one.message for one in checked.diagnostics if one.is_error]
     lasting, robot = compiled.certificate.lasting, compiled.plan.robot
     least, most, fewest, waits = takes
-    # segment times have steps
+    # segment times are rounded to steps, so that durations differ a little
     assert (lasting.least, lasting.most) == pytest.approx((least, most), abs=5e-3)
     assert (lasting.fewest, lasting.waits) == (fewest, waits)
     words = lasting.text()
@@ -206,14 +206,14 @@ def check_everywhere(text, folder, takes):
         assert (other.least, other.most) == pytest.approx((lasting.least, lasting.most), abs=1e-9)
         assert other.text() == words
 
-    # the plan and what is inspected of it
+    # the plan, and the inspection of its steps
     same(compiled.plan.lasting)
     studied = study(checked)
     for number in range(len(compiled.program.steps)):
         inspected = inspect_step(studied, number)
         same(inspected.total)
         assert inspected.begins <= lasting.most + 1e-9
-    # the text, by its header and by what it does
+    # the text: its header, and what it executes
     assert f"; duration {words}" in compiled.text
     assert header_of(compiled.text).header.lasting.text() == words
     does = executed(compiled.text, robot, "test.pmc").value
@@ -221,7 +221,7 @@ def check_everywhere(text, folder, takes):
     comparison = compare(does, does, Tolerance(1e-5, 1e-5))
     assert f"{words} -> {words} (+0.000 s)" in totals_text(comparison)
     assert compared_json(comparison)["first"]["duration_s"] == pytest.approx(lasting.most)
-    # what is run, and what is told of it
+    # the loaded program, and its description for clients
     loaded = load_program(checked.opened, "test.yarc", compiled=compiled_result(checked)).value
     same(loaded.program.lasting)
     described = program_described(1, loaded)
@@ -233,12 +233,12 @@ def check_everywhere(text, folder, takes):
     for leg in loaded.program.legs:
         if leg.job is not None:
             assert leg.job.clock + leg.job.duration + leg.job.behind == pytest.approx(lasting.most)
-    # what is seen
+    # the stages of the picture
     stage = stage_of_program("test.yarc", compiled.plan, compiled.certificate, ())
     other = stage_of_text(SourceFile("test.pmc", compiled.text), folder, robot).value
     assert f"{words} ·" in stage.subtitle
     assert f"{words} ·" in other.subtitle
-    # of these, the ways are one after the other
+    # these durations count all branches, one after the other
     assert stage.duration == pytest.approx(compiled.plan.duration, abs=1e-9)
     assert other.duration == pytest.approx(compiled.plan.duration, abs=1e-9)
     assert loaded.program.duration == pytest.approx(compiled.plan.duration, abs=1e-9)
@@ -276,7 +276,7 @@ def test_every_command_says_the_same(tmp_path, monkeypatch):
     assert f"{TAKES} -> {TAKES} (+0.000 s)" in said("diff", "test.yarc", "test.pmc")
     assert f"13.500 to 15.000 s of {TAKES}" in said("inspect", "test.yarc", "P0100")
     assert f"1.500 to 6.500 s of {TAKES}" in said("inspect", "test.yarc", "P0020")
-    # nobody knows when it goes on
+    # P0030 waits, and the time at which it ends is unknown
     assert f"6.500 s of {TAKES}" in said("inspect", "test.yarc", "P0030")
     told = json.loads(said("yarcc", "test.yarc", "--format", "json"))
     takes = {"duration_s": 15.0, "duration_at_least_s": 10.0, "waits": 2, "waits_at_least": 1, "loops": False}
@@ -289,8 +289,8 @@ def test_every_command_says_the_same(tmp_path, monkeypatch):
 
 
 def shown(loaded, compiled):
-    """The lines of `yarc run` and of the prompt about a program, as it is carried out along one of its
-    ways.
+    """Return the lines of `yarc run` and of the prompt about a program that is executed along one of its
+    branches.
     """
     described = program_described(1, loaded)
     said: list[str] = []
@@ -359,7 +359,7 @@ def test_a_way_out_names_no_command_of_the_program(tmp_path):
     checked = check_text(SourceFile("test.yarc", EXAMPLE), tmp_path, Options(robot="INDUSTRIAL6"))
     loaded = load_program(checked.opened, "test.yarc", compiled=compiled_result(checked)).value
     display, said = shown(loaded, checked.compiled)
-    for number, name in enumerate(("back to where the motion began", "LEAVE"), 1):
+    for number, name in enumerate(("back to the start of the motion", "LEAVE"), 1):
         first = len(said)
         display.take(
             PartBegan(

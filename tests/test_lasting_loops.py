@@ -1,5 +1,5 @@
-"""How long programs with loops take: the shortest way through, and the longest in which each loop makes
-one pass, by an enumeration of all ways.
+"""Tests of the durations of programs with loops, compared with an enumeration of all paths: the shortest one,
+and the longest one with a single pass of each loop.
 """
 
 import pytest
@@ -23,7 +23,7 @@ TREES = st.lists(BLOCKS, min_size=1, max_size=5)
 
 
 def parts(block, in_loop, in_way):
-    """What a tree is as parts, without what can't stand there or is never reached."""
+    """Return a tree as a list of parts, without parts that are not allowed there or never reached."""
     found, reached = [], True
     for node in block:
         if not reached:
@@ -55,7 +55,7 @@ def parts(block, in_loop, in_way):
 
 
 def own(inner):
-    """The parts of a loop's body that aren't in a loop inside it."""
+    """Return the parts of a loop's body that aren't in an inner loop."""
     depth, found = 0, []
     for part in inner:
         depth += part == "loop"
@@ -66,8 +66,8 @@ def own(inner):
 
 
 def ways(parts_, begin, end):
-    """All ways through parts: (seconds, waits, how it ends: on, exit, next, stop), and if one of them
-    passes a loop that begins anew.
+    """Return all paths through parts as (seconds, waits, end), where the end is "on", "exit", "next", "pass"
+    or "stop"; and True if a loop may be repeated.
     """
     found = [(0.0, 0, "on")]
     loops, at = False, begin
@@ -127,7 +127,7 @@ def test_no_way_is_shorter_and_the_least_is_one(tree):
     if whole:
         assert told.least <= min(seconds for seconds, _, _ in whole)
         assert told.fewest <= min(waits for _, waits, _ in whole)
-        # a way on which no pass leads back to a beginning is counted as it is
+        # a path on which no loop is repeated is included in the longest time
         assert told.most >= max(seconds for seconds, _, _ in whole)
         assert told.waits >= max(waits for _, waits, _ in whole)
     if passes:

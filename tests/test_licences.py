@@ -1,4 +1,4 @@
-"""THIRD_PARTY.md names the licence of all that is installed, as the packages say it themselves."""
+"""Tests of THIRD_PARTY.md: it names the licences of all installed libraries, as their packages state them."""
 
 import re
 import sys

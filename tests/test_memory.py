@@ -1,4 +1,4 @@
-"""What is remembered stays bounded, and what is in use stays remembered."""
+"""Tests of caches: their sizes are bounded, and what is in use stays in them."""
 
 from yarclang.assist.lexemes import lexemes_of
 from yarclang.assist.sketch import sketch_of
@@ -100,4 +100,4 @@ def test_what_is_kept_of_lines_and_findings_is_bounded_by_the_longest_text():
     assert len(_on_line) <= 2_048
     long = SourceFile("long.yarc", "".join(f"P{number:05} MOVEJ HOME\n" for number in range(5_000)))
     list(tints(sketch_of(long)))
-    assert len(lexemes_of) >= 5_000  # all of a long text are kept until its next version
+    assert len(lexemes_of) >= 5_000  # all lines of a long text are kept until its next version

@@ -1,8 +1,9 @@
-"""Any text is checked, formatted, coloured and asked about without a failure, and soon.
+"""Tests with random texts: any text is checked, formatted, coloured and inspected quickly and without a
+failure.
 
-Usually 400 texts are drawn, half a minute of one core; YARCLANG_RANDOM_TEXTS=25000 in the environment draws
-so many, for a night. What breaks a law is told with its seed and its text. With
-YARCLANG_RANDOM_TEXTS_TIMES=FILE, the time of each text's check is written there [s], after its seed.
+Usually, 400 texts are drawn, which takes half a minute of one core. YARCLANG_RANDOM_TEXTS=25000 in the
+environment draws that many, for a night. A text that breaks a law is reported with its seed.
+YARCLANG_RANDOM_TEXTS_TIMES=FILE writes the time of each text's check [s] to a file, after its seed.
 """
 
 import os
@@ -13,11 +14,11 @@ from mutated_texts import Laws, drawn, programs
 
 COUNT = int(os.environ.get("YARCLANG_RANDOM_TEXTS", "400"))
 BLOCK = 50
-"""So many texts are one test: tests run side by side."""
+"""Number of texts in one test; several tests run in parallel."""
 
 TIMES = os.environ.get("YARCLANG_RANDOM_TEXTS_TIMES")
 LONGEST_CHECK = 2.0
-"""What the check of a text takes at most without planning [s of the processor]."""
+"""Longest processor time of a text's check without planning [s]."""
 
 
 def test_there_are_programs():
@@ -25,17 +26,17 @@ def test_there_are_programs():
 
 
 FAILED_ONCE = (
-    "DEFAULT {!TCP} [5] (mm,deg,s) {B}",  # fmt wrote its tail once more at each run
-    "LET A =\u20033 *",  # an IndexError
+    "DEFAULT {!TCP} [5] (mm,deg,s) {B}",  # once, each run of fmt wrote the end of this line again
+    "LET A =\u20033 *",  # once, an IndexError
     "LET A = 1 \u2028 2",
-    "minP0010 MOVEJ HOME [5] (s)",  # an index was found within a word
-    "P" + "1" * 10_000 + " STOP",  # a ValueError
+    "minP0010 MOVEJ HOME [5] (s)",  # once, an index was found within a word
+    "P" + "1" * 10_000 + " STOP",  # once, a ValueError
     'P0010 HOLD "abc ! def',
     "\ufeffP0010 STOP\n\ufeffP0020 STOP",
-    "P0010 MOVEJ " + "a " * 4_000,  # a finding for each word
-    "REPEAT 8881\n" + "REPEAT 1\n" * 99 + "END\n" * 100,  # 888,100 rounds around nothing, 7 s
+    "P0010 MOVEJ " + "a " * 4_000,  # once, a finding for each word
+    "REPEAT 8881\n" + "REPEAT 1\n" * 99 + "END\n" * 100,  # once, 888,100 empty passes, which took 7 s
 )
-"""What broke a law before."""
+"""Texts that have broken a law before."""
 
 
 @pytest.mark.parametrize("text", FAILED_ONCE, ids=range(len(FAILED_ONCE)))

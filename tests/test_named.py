@@ -1,4 +1,4 @@
-"""No name of an open set means two things: a second thing of a name raises, wherever it stands."""
+"""Tests of registries whose names must be unique: a second entry with a name raises, in any file."""
 
 import importlib
 import shutil
@@ -29,7 +29,7 @@ RULE = (
 
 @pytest.fixture
 def forge(tmp_path, monkeypatch):
-    """A function: put a module beside those of a package, as if somebody had added the file."""
+    """Return a function that adds a module to a package, as if somebody had added the file."""
 
     def add(package, name, text):
         (tmp_path / f"{name}.py").write_text(text)
@@ -66,7 +66,7 @@ def test_a_code_that_stands_in_two_families(forge):
 
 
 def test_the_catalogue_is_made_at_import():
-    """So that a code that stands twice is found by whoever starts anything."""
+    """The catalogue is made at import, so that a duplicate code is found whenever yarclang starts."""
     again = importlib.util.module_from_spec(findings.__spec__)
     findings.__spec__.loader.exec_module(again)
     assert again.CATALOGUE == CATALOGUE
@@ -91,7 +91,7 @@ def test_a_command_whose_name_is_taken(forge, name):
     text = (Path(builtin.__path__[0]) / "stop.py").read_text(encoding="utf-8")
     assert 'name="STOP"' in text
     forge(builtin, "forged", text.replace('name="STOP"', f'name="{name}"'))
-    # what another test has found is not looked for again
+    # calls the function behind the cache, so that the forged module is found
     with pytest.raises(NamedTwice, match=f"the command {name} stands twice"):
         command_registry._found.__wrapped__()
 

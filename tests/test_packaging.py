@@ -1,4 +1,4 @@
-"""What the built distributions hold."""
+"""Tests of the content of the built distributions."""
 
 import shutil
 import subprocess
@@ -18,7 +18,7 @@ ROOT = Path(__file__).resolve().parents[1]
 
 
 def files_of(folder: str) -> set[str]:
-    """The files of a folder of the repository, without what Python and tools leave there."""
+    """Return the files of a folder of the repository, without caches of Python."""
     paths = (path for path in (ROOT / folder).rglob("*") if path.is_file())
     return {path.relative_to(ROOT).as_posix() for path in paths if "__pycache__" not in path.parts}
 
@@ -94,7 +94,7 @@ def test_sdist_builds_and_tests_itself(sdist_files: set[str]):
 
 
 def test_another_build_has_the_same_bytes(built: Path, tmp_path: Path):
-    """From another place, at another time: whoever builds this version can compare."""
+    """A build in another folder at another time has the same bytes, so that anybody can verify a release."""
     copy = tmp_path / "copy"
     left_out = shutil.ignore_patterns(
         ".git",
@@ -108,7 +108,7 @@ def test_another_build_has_the_same_bytes(built: Path, tmp_path: Path):
         "*.vsix",
         "out",
     )
-    shutil.copytree(ROOT, copy, ignore=left_out, copy_function=shutil.copy)  # with new times
+    shutil.copytree(ROOT, copy, ignore=left_out, copy_function=shutil.copy)  # the copied files have new times
     command = [
         sys.executable,
         "-m",

@@ -1,4 +1,6 @@
-"""Pieces of work on many cores: the same comes of them, in the same order, whatever happens to a process."""
+"""Tests of distributing work over cores: the results and their order are the same, whatever happens to a
+process.
+"""
 
 import subprocess
 import sys
@@ -10,7 +12,7 @@ from yarclang.parallel import cores, mapped, on_cores
 
 
 def result(script, *, timeout=60):
-    """What a script prints in a process of its own, in which no other thread runs."""
+    """Run a script in a new process, in which no other thread runs, and return its exit status and output."""
     code = "import os, sys, time\nfrom yarclang.parallel import mapped, on_cores\n" + textwrap.dedent(script)
     done = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, timeout=timeout, check=False
@@ -93,7 +95,7 @@ def test_where_no_process_can_be_started_it_is_done_here():
 
 
 def test_processes_end_with_the_one_that_started_them():
-    """Ctrl-C, or a caller that wants no more, leaves nobody behind."""
+    """After Ctrl-C, or if the caller stops early, no process is left."""
     code, out, err = result(
         """
         import signal

@@ -1,13 +1,14 @@
-"""Whatever compiles keeps every limit and the tolerance, as an independent reading of the text finds.
+"""Tests of random programs: each that compiles respects all limits and the tolerance, as an independent
+reader of the text finds.
 
-Usually 400 programs and 20 of chains are drawn, about three minutes of one core;
-YARCLANG_RANDOM_PROGRAMS=10000 in the environment draws so many, for a night:
-`YARCLANG_RANDOM_PROGRAMS=10000 pytest -n auto tests/test_random_programs.py`. A fault is told with its
+Usually, 400 programs and 20 chains are drawn, which takes about three minutes of one core.
+YARCLANG_RANDOM_PROGRAMS=10000 in the environment draws that many, for a night:
+`YARCLANG_RANDOM_PROGRAMS=10000 pytest -n auto tests/test_random_programs.py`. A fault is reported with its
 program and its seed.
 
-A planner that refuses everything keeps all limits. So each arm's first block of programs, which every run
-draws, is held to `FLOORS`: of each kind of motion, law, time and option a share must be planned and
-certified. One block is one test, so that the floors hold in any worker.
+A planner that refuses every program would break no limit. So the first block of programs of each arm, which
+every run draws, must reach `FLOORS`: the least shares of each kind of motion, law, time and option that must
+be planned and certified. One block is one test, so that the floors hold in any worker.
 """
 
 import os
@@ -38,14 +39,14 @@ from yarclang.robot.description import load_robot
 from yarclang.source import Span
 
 COUNT = int(os.environ.get("YARCLANG_RANDOM_PROGRAMS", "400"))
-"""How many programs are drawn for all arms together."""
+"""Number of programs for all arms together."""
 
 EASY = 1000
-"""Programs of seeds below have few motions."""
+"""Programs of seeds below this one have few motions."""
 
 BLOCK = 40
-"""So many programs are one test: enough that each feature is drawn in a block, and few enough that tests
-run side by side.
+"""Number of programs in one test: enough for each feature to occur in a block, and few enough for tests to
+run in parallel.
 """
 
 FLOORS = dict.fromkeys(
@@ -60,10 +61,10 @@ FLOORS = dict.fromkeys(
 """The least share of an arm's first block that must be planned and certified, by feature."""
 
 CHAINS = max(4, COUNT // 100)
-"""Programs of chains for each arm: the longest programs."""
+"""Number of chains, the longest programs, for each arm."""
 
 CHAIN_FLOORS = {"chains": 0.4, "long chains": 0.4, "corners of chains": 0.7, "chains with outputs": 0.3}
-"""The least share of an arm's chains that must be planned and certified, and of their corners that must be
+"""Least shares of an arm's chains that must be planned and certified, and of their corners that must be
 passed without a stop.
 """
 
@@ -84,7 +85,7 @@ commands = st.one_of(
 
 
 def program(robot, entries):
-    """Program text near the robot's home, and what each command means."""
+    """Return the text of a program near the robot's home, and the meaning of each command."""
     arm = ARMS[robot]
     home = np.array(arm.data["positions"]["HOME"], float)
     middle = home + np.array([0, -5, -20, 10, 40, 0]) * (robot == "INDUSTRIAL6")
@@ -122,7 +123,7 @@ def _numbers(values):
 
 
 def judge(robot, text, meaning):
-    """Hold an emitted text against limits, tolerance and what the program says."""
+    """Check that an emitted text respects limits and tolerance and does what the program says."""
     arm = ARMS[robot]
     _, executed = read(text)
     for step, said in enumerate(meaning):
@@ -157,7 +158,7 @@ REAL_ARMS = ("ur5", "talos-7", "tiago-8")
 
 @pytest.fixture(scope="session")
 def folder(tmp_path_factory):
-    """A function: the robot that a name means, and its independent reading."""
+    """Return a function that returns the robot of a name, and its independent model."""
     made_here = tmp_path_factory.mktemp("arms")
     known = {}
 
@@ -178,10 +179,10 @@ def folder(tmp_path_factory):
 
 
 def held(robot, arm, program, seed):
-    """Hold what is planned of a program against an independent reading; return whether it was planned and
-    certified, and where it flows.
+    """Check the plan of a program by independent code. Return True if it was planned and certified, and the
+    steps whose corners are passed without a stop.
 
-    The planner may refuse. What it plans must be well by that reading, and by the certificate.
+    The planner may refuse a program, but its plans must pass this check and get a certificate.
     """
     plan, diagnostics = planned(program.text, robot)
     if plan is None:
@@ -200,7 +201,7 @@ def held(robot, arm, program, seed):
 
 
 def tallied(robot, arm, seeds, looked_at=held):
-    """Draw the programs of some seeds, hold each, and count what was planned."""
+    """Draw the programs of some seeds, check each, and count which are planned."""
     tally = Tally()
     for seed in seeds:
         program = drawn(arm, np.random.default_rng(seed), most=3 if seed < EASY else 6)
@@ -254,9 +255,9 @@ def test_a_planner_that_refuses_everything_is_found(monkeypatch, folder):
 
 
 def test_a_planner_that_refuses_one_kind_of_motion_is_found(monkeypatch, folder):
-    """Of arcs nothing is planned, while enough is planned of all else: only the floor of arcs fails.
+    """If the planner refuses all arcs but plans all else, only the floor of arcs fails.
 
-    Programs without arcs are planned as ever, which the blocks show: they count as well.
+    Programs without arcs are counted as planned, as other tests show that they are.
     """
     for module in (frame_motions, ahead):
         monkeypatch.setattr(module, "arc_through", lambda *_: NoArc("straight"))
@@ -294,7 +295,9 @@ def test_the_shortest_time_that_an_error_names_works(tally, robot, entry):
 @pytest.mark.parametrize("there", [68, 50, 20])
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_a_spline_that_turns_back_on_itself_is_proved(robot, there, time):
-    """One joint goes out and back: at the turn the position says nothing of how far along the path it is."""
+    """One joint moves out and back: near the point of return, a position doesn't determine the distance along
+    the path.
+    """
     home = ARMS[robot].data["positions"]["HOME"][1:]
     others = _numbers(home)
     text = (

@@ -1,7 +1,7 @@
-"""Whatever compiles of a timetable is where it says at any time, and keeps the limits, as an independent
-reading of the text finds; what breaks a limit is refused with a stretch that works.
+"""Tests of random timetables: a compiled timetable is where it says at all times and within the limits, as an
+independent reader of the text finds. One that would break a limit is refused with a stretch that works.
 
-200 tables are drawn; YARCLANG_RANDOM_TIMETABLES=10000 in the environment draws so many.
+200 tables are drawn; YARCLANG_RANDOM_TIMETABLES=10000 in the environment draws that many.
 """
 
 import os
@@ -18,15 +18,15 @@ from yarclang.independent.reading import read, shares
 COUNT = int(os.environ.get("YARCLANG_RANDOM_TIMETABLES", "200"))
 ROBOTS = ("INDUSTRIAL6", "TRACKED_MANIPULATOR")
 FLOORS = {"as it is": 0.3, "stretched": 0.15, "positions": 0.25, "velocities": 0.25, "accelerations": 0.25}
-"""The least share of the tables that must be carried out as they are, or with the stretch that is told; of
-each kind one in three is drawn.
+"""Least shares of all tables that must be executed as they are, or with the proposed stretch, and that must
+be executed with waypoints of each kind. (Each kind is a third of the tables.)
 """
 
 WITHIN = 1e-4
-"""The usual tolerance [rad]; of sliding joints 0.1 mm."""
+"""The usual tolerance [rad]; for sliding joints 0.1 mm."""
 
 LATE = 1e-3
-"""By so much [s] the motion may take longer."""
+"""Longest time by which a motion may take longer than its table [s]."""
 
 
 @pytest.mark.parametrize("name", ROBOTS)
@@ -48,7 +48,7 @@ def test_timetables_are_kept_at_all_times_or_refused_with_a_stretch_that_works(n
             made, found = compiled(table.text(edit.text), robot)
             refused = [one for one in found if one.is_error]
             assert not [one for one in refused if one.code == "Y0616"], (seed, refused)
-            # not by far: a table that is slower than its peaks ask for is no good answer
+            # the proposed stretch is at most 1.8 times the one that the peaks need
             assert 1.0 < stretch < 1.8 * _needed(arm, table), (seed, stretch, _needed(arm, table))
         if made is not None and not refused:
             well = True
@@ -61,7 +61,7 @@ def test_timetables_are_kept_at_all_times_or_refused_with_a_stretch_that_works(n
 
 
 def _needed(arm, table):
-    """The stretch that the peaks of the table's own path ask for, at least 1."""
+    """Return the stretch that the peaks of the table's own path need, at least 1."""
     asked = table.asked()
     at = np.linspace(0.0, table.times[-1], 20_001)
     fast = (np.abs(asked(at, 1)).max(axis=0) / arm.velocity).max()
@@ -71,7 +71,7 @@ def _needed(arm, table):
 
 
 def _faults(arm, table, stretch, text):
-    """What an emitted text does otherwise than its table says."""
+    """Return the differences between an emitted text and its table."""
     found = []
     done = read(text)[1][1]
     lasts = table.times[-1] * stretch

@@ -1,12 +1,12 @@
-"""Trajectories as a planner of ROS makes them are executed as they say, at their times, within all limits;
-and too fast ones are refused with a STRETCH that works.
+"""Tests of random trajectories like those of planners in ROS: they are executed at their times and within all
+limits, and too fast ones are refused with a STRETCH that works.
 
-A path through random joint positions is passed with a trapezoidal speed and sampled at a fixed rate, as
-MoveIt's time-optimal parameterization does: the accelerations jump, at both ends too. Way-points stand in the
-program or in a file, with velocities, with these and accelerations, or with neither. What the text does is
-read and judged by tests/independent.py and scipy alone.
+A path through random joint positions is passed with a trapezoidal speed and sampled at a fixed rate, as by
+MoveIt's time-optimal parameterization: the accelerations jump, at both ends, too. Waypoints are in the
+program or in a file; they have velocities, velocities and accelerations, or neither. Only
+tests/independent.py and scipy read and judge the text.
 
-YARCLANG_RANDOM_TRAJECTORIES=5000 in the environment draws so many, for a night.
+YARCLANG_RANDOM_TRAJECTORIES=5000 in the environment draws that many, for a night.
 """
 
 import os
@@ -25,29 +25,29 @@ from yarclang.semantics.motions.trajectory_file import TrajectoryFile
 from yarclang.source import SourceFile
 
 COUNT = int(os.environ.get("YARCLANG_RANDOM_TRAJECTORIES", "200"))
-"""How many trajectories are drawn for all robots and kinds together."""
+"""Number of trajectories for all robots and kinds together."""
 
 ROBOTS = ("INDUSTRIAL6", "TRACKED_MANIPULATOR")
 ARMS = {name: Arm.in_folder(robot_of(name).folder) for name in ROBOTS}
 KINDS = ("positions", "velocities", "accelerations")
 
 WITHIN, LATE = 1e-4, 1e-3
-"""How far a joint may be from the path [rad or m], and by how much too late or too early [s]."""
+"""Largest distance of a joint from the path [rad or m], and largest error of time [s]."""
 
 ROUNDED = 2e-8
-"""What the decimals of the text add [rad or m]."""
+"""Rounding error of the text's decimals [rad or m]."""
 
 SURE, ROUND_OFF = 0.8, 1.3
-"""A path that uses up to SURE of all limits must be accepted. What is executed may round its peaks off
-within the tolerance: one that uses ROUND_OFF of a limit can't be.
+"""A path that uses up to SURE of all limits must be accepted. One that uses ROUND_OFF of a limit can't be
+accepted, although the executed motion may round its peaks off within the tolerance.
 """
 
 
 class Trajectory:
-    """Rows as they are written [deg or mm], and the path that they define, by scipy."""
+    """Rows of a trajectory as written [deg or mm], and the path that they define, computed by scipy."""
 
     def __init__(self, random, arm, kind, use):
-        """Draw one that uses about a share `use` of the limits."""
+        """Draw a trajectory that uses about a share `use` of the limits."""
         self.kind = kind
         middle = np.array(arm.data["positions"]["HOME"], float)
         reach = np.minimum(middle - arm.lower, arm.upper - middle)
@@ -55,7 +55,7 @@ class Trajectory:
         goals = middle + random.uniform(-far, far, (random.integers(2, 6), len(middle))) * reach
         way = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(goals, axis=0) / reach, axis=1))))
         path = CubicSpline(way, np.round(goals, 4), bc_type="natural")
-        # the speed along the path: up, on, down, each a third of the time
+        # the speed along the path rises, stays and falls, each for a third of the time
         s = np.linspace(0.0, way[-1], 400)
         speed, curve = np.abs(path(s, 1)) / arm.velocity, np.abs(path(s, 2)) / arm.acceleration
         ramp = np.abs(path(s, 1)) / arm.acceleration
@@ -79,7 +79,7 @@ class Trajectory:
         self.accelerations = np.round(path(at, 2) * rate**2 + path(at, 1) * change, 9)
         self.is_file = bool(random.integers(2)) or len(times) > 20
         if not self.is_file:
-            self.accelerations[0] = 0.0  # of time 0, lines say nothing
+            self.accelerations[0] = 0.0  # a line gives no acceleration for time 0
 
     def path(self, stretch=1.0):
         times = self.times * stretch
@@ -92,7 +92,9 @@ class Trajectory:
         return BPoly.from_derivatives(times, rows)
 
     def use(self, arm):
-        """The largest share of a limit of position, velocity or acceleration that the path uses."""
+        """Return the largest share that the path uses of a limit of joint velocity, joint acceleration or
+        motor velocity.
+        """
         shares = np.linspace(0.0, 1.0, 50, endpoint=False)
         times = np.append(
             (self.times[:-1, None] + np.diff(self.times)[:, None] * shares).ravel(), self.times[-1]
@@ -134,7 +136,7 @@ def _numbers(values):
 
 
 def judge(arm, trajectory, text, stretch=1.0):
-    """Hold an emitted text against the trajectory: its end, its times, its path, and the limits."""
+    """Check the end, the times, the path and the limits of an emitted text against the trajectory."""
     _, commands = read(text)
     (done,) = commands.values()
     duration = trajectory.times[-1] * stretch
@@ -179,5 +181,5 @@ def test_trajectories_of_planners(tally, robot, kind):
         factor = float(stretch[1])
         judge(arm, trajectory, made.text, factor)
         tally.count("stretched")
-        # accelerations fall with the square of it, velocities with itself
+        # a stretch divides velocities by itself, and accelerations by its square
         assert max(1.0, np.sqrt(use / ROUND_OFF)) <= factor <= use / SURE, (use, factor)

@@ -1,5 +1,5 @@
-"""The record of the main ratios, the table in RESULTS.md, and the warnings are of one mind; nothing is
-measured here.
+"""Tests that the record of the main ratios, the table in RESULTS.md and the warnings agree; they measure
+nothing.
 """
 
 import sys

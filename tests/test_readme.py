@@ -1,7 +1,7 @@
-"""README.md and the pages of its tour show what happens: their programs are written to files, their commands
-run, their output compared.
+"""Tests of README.md and the pages of its tour: their programs are written to files, their commands are run,
+and the output is compared.
 
-`pytest tests/test_readme.py --rewrite-golden` puts the output of today into them.
+`pytest tests/test_readme.py --rewrite-golden` writes the present output into them.
 """
 
 import os
@@ -28,7 +28,7 @@ PAGES = [
 """Pages whose ```console blocks are run here. Other tests run those of certificate, coordinator and repl."""
 LINKED = [*PAGES, "docs/certificate.md", "docs/simulator.md", "docs/status.md"]
 LONGEST = 150
-"""Lines of README.md."""
+"""Most lines of README.md."""
 _PROGRAM = re.compile(r"^```yarc\n(! (\S+)\n.*?)^```$", re.DOTALL | re.MULTILINE)
 _SESSION = re.compile(r"^```console\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 _SERVED = re.compile(r"^```sh\n(yarc .*)\n```$", re.MULTILINE)
@@ -37,7 +37,7 @@ _LINK = re.compile(r"\]\(([^)#:]*)(?:#([^)]+))?\)")
 
 
 def run(command: str, folder: Path) -> str:
-    """Standard output and standard error of a command, as a person sees them."""
+    """Run a command, and return its standard output and standard error as a person sees them."""
     path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
     shown = subprocess.run(
         ["bash", "-c", command],
@@ -88,7 +88,7 @@ def test_sessions(tmp_path, rewrite_golden, page):
     ("word", "more"), [("view", "--no-browser --port 0"), ("pendant", "--data users --port 0")]
 )
 def test_what_readme_serves(tmp_path, word, more):
-    """What README starts in a browser is served, until Ctrl-C."""
+    """The pages that README starts in a browser are served until Ctrl-C."""
     (command,) = (
         each
         for each in _SERVED.findall((ROOT / "README.md").read_text(encoding="utf-8"))
@@ -147,7 +147,7 @@ def test_readme_is_short():
 
 
 def test_readme_leads_to_every_page():
-    """Nobody can read a page that no link leads to."""
+    """Each page can be reached by links from README."""
     reached, ahead = set(), [ROOT / "README.md"]
     while ahead:
         page = ahead.pop()

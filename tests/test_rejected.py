@@ -1,5 +1,5 @@
-"""Each file of tests/rejected says on its lines what is to be found there; one finding missing or too many
-fails.
+"""Tests of the files in tests/rejected, whose comments name the finding of each line: a missing or an
+additional finding is an error.
 """
 
 import re

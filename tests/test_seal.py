@@ -1,4 +1,4 @@
-"""The seal of a long text: as if it were put in by replacing both lines."""
+"""Tests of the seal of a controller text: sealing only replaces two lines of the header."""
 
 import hashlib
 

@@ -1,4 +1,4 @@
-"""Signatures of the entries of a cache folder."""
+"""Tests of signatures of the entries in a cache folder."""
 
 from hypothesis import given
 from hypothesis import strategies as st

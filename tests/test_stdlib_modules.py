@@ -1,4 +1,4 @@
-"""Each SUB of the standard library's modules is documented, and its example compiles for the robots."""
+"""Tests of the standard library's modules: each SUB is documented, and its example compiles."""
 
 import re
 
@@ -27,7 +27,7 @@ SUBS = [(name, sub) for name in MODULES for sub in reference(name).subs]
 NAMES = [f"{name}.{sub.name}" for name, sub in SUBS]
 
 SWING = "Y0505"
-"""A curve past a joint position swings beyond it: GOHOME.PAST may."""
+"""A curve may swing beyond a joint position that it passes, as that of GOHOME.PAST does."""
 
 PROGRAM = """\
 ROBOT {robot}
@@ -56,7 +56,8 @@ BEGINNINGS = {
     "WEAVE.SOME": "0 0",
     "WEAVE.SINE": "0 0",
 }
-"""Where in {BOX} the tool has to be in front of a CALL [mm], for the SUBs that begin in a certain point."""
+"""Positions in {BOX} [mm] in which the tool must be before the CALL of a SUB that begins at a certain point.
+"""
 
 
 def compiled(tmp_path, robot, module, call, start=None):
@@ -172,7 +173,7 @@ def test_a_grid_visits_all_its_cells(tmp_path):
 
 
 def where_it_grips(done):
-    """For each SET: its value, and where {GRIPPER} stands in {B} [mm], rounded."""
+    """Return the value of each SET, and the rounded position of {GRIPPER} in {B} at this SET [mm]."""
     told = []
     steps = done.program.steps
     ended = {motion.step: motion for motion in done.plan.motions}
@@ -186,7 +187,7 @@ def where_it_grips(done):
 
 
 CELLS = [(x, y, z) for z in (0, 40) for y in (0, 60) for x in (0, 50, 100)]
-"""Columns first, then rows, then layers [mm]."""
+"""Order of the cells: first along x, then y, then z [mm]."""
 
 
 def test_filling_takes_each_part_from_its_place_to_the_next_cell(tmp_path):
@@ -217,8 +218,8 @@ def test_emptying_begins_with_the_upper_layer(tmp_path):
 
 
 def drawn(done, count=400):
-    """The places of {GRIPPER} in {BOX} [mm] on each motion of the call, (count, 3) each, evenly over its
-    time.
+    """Return the positions of {GRIPPER} in {BOX} [mm] along each motion of the call, (count, 3) each, at
+    equal intervals of time.
     """
     step = done.program.steps[done.plan.motions[-1].step]
     goal = step.waypoints[-1] if hasattr(step, "waypoints") else step.goal

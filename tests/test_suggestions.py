@@ -1,5 +1,5 @@
-"""Names that may be meant by a mistyped word: the nearest one is named, and looking for it takes no longer
-than a bound.
+"""Tests of suggestions for mistyped words: the nearest name is suggested, and the time of the search is
+bounded.
 """
 
 import random
@@ -14,7 +14,7 @@ from yarclang.suggestions import _common, _places, is_slip, nearest
 
 
 def ratio(word, name):
-    """Return how like two words are by difflib."""
+    """Return the similarity of two words by difflib."""
     return SequenceMatcher(None, name, word).ratio()
 
 
@@ -70,7 +70,7 @@ def test_names_of_few_letters_do_not_take_the_square_of_their_length_for_each_na
     monkeypatch.setattr(SequenceMatcher, "find_longest_match", counted)
     names = tuple("AB" * (length // 2) + str(number) for number in range(100))
     assert suggest("BA" * (length // 2) + "5", names)
-    assert 0 < sum(looked) < 1_500  # a few names, each looked through a few times
+    assert 0 < sum(looked) < 1_500  # only a few names are compared, each a few times
 
 
 def test_a_swap_of_two_letters_is_undone():

@@ -1,5 +1,5 @@
-"""Tool paths of short pieces, as the benchmark draws them: certified, fast, and run on the simulator to a
-count.
+"""Tests of tool paths of short pieces, drawn by the benchmark: they are certified and fast, and the simulator
+executes them to within a count.
 """
 
 import sys
@@ -18,7 +18,7 @@ from yarclang.runtime.pmac.performance import connect, perform
 from yarclang.simulator.commissioning import commissioned, stand
 
 MOST_BYTES = 9_000
-"""What a line of a long chain may take while it is compiled."""
+"""Most memory that the compilation may take for a line of a long chain [bytes]."""
 
 BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
 

@@ -5,10 +5,10 @@
     >>> made.ok, made.value.certificate.duration
     (True, 2.0)
 
-Each function takes the text of a program. `check` returns the findings, `format` a text, and the others a
-`Result`: its `value`, None if an error prevents one, and the findings in `diagnostics`. Errors of users raise
-nothing, except in `format`; bugs of ours are findings as well (Y2001). The planner is imported when it is
-first needed.
+Each function takes the text of a program. `check` returns the findings and `format` a text. All other
+functions return a `Result`: its `value` is None if an error prevents a result, and its `diagnostics` are the
+findings. Only `format` raises an exception if a program has errors. Bugs of yarclang are reported as findings
+too (Y2001). The planner is imported when it is first needed.
 
 Comments that suppress findings, and the yarc.toml of `folder` or of a folder above it, apply as in
 `yarc check` and `yarcc`. See docs/api.md for more.
@@ -77,7 +77,7 @@ def check(
         >>> import yarclang
         >>> for one in yarclang.check("P0010 MOVEJ 200 0 0 0 0 0 [5] (deg,s)", robot="INDUSTRIAL6"):
         ...     print(one.span.line, one.severity, one.code, one.message)
-        1 error Y0502 J1 at 200 deg is out of its limits by 30 deg
+        1 error Y0502 J1 at 200 deg is outside its limits by 30 deg
         >>> yarclang.check("P0010 MOVEJ 20 0 0 0 0 0 [5] (deg,s)", robot="INDUSTRIAL6")
         ()
 
@@ -86,10 +86,10 @@ def check(
         robot: name of a robot or path of a robot.toml, if neither a ROBOT line nor yarc.toml names one.
         name: name of the text in findings.
         folder: the program's folder, with its modules, its cell and its yarc.toml.
-        start: start position [deg, mm for prismatic joints], one value for each joint; None for that of the
-            program, of yarc.toml or, without one, the robot's home.
-        cell: path of the program's cell.toml; None for that of a CELL line or of yarc.toml. If several are
-            named, they must be the same file.
+        start: start position [deg, mm for prismatic joints], one value for each joint. None: the start
+            position of the program or of yarc.toml, or else the robot's home.
+        cell: path of the program's cell.toml; None if only a CELL line or yarc.toml names it. If more than
+            one of them names a cell, it must be the same file.
         plans: True to plan and prove motions; otherwise only findings that need neither are returned.
     """
     from yarclang.pipeline.checking import check_text
@@ -107,7 +107,7 @@ def plan(
     start: Sequence[float] | None = None,
     cell: str | PathLike[str] | None = None,
 ) -> Result[MotionPlan]:
-    """Plan the motions of a program: the joints as a function of time.
+    """Plan the motions of a program: compute its joint positions as a function of time.
 
         >>> import numpy as np
         >>> import yarclang
@@ -118,8 +118,8 @@ def plan(
         >>> np.degrees(q[:, 0]).round(6).tolist()
         [0.0, 20.0, 40.0]
 
-    The findings are those of planning. `check` and `compile` also report those of the certificate and the
-    rules.
+    The findings are only those of planning. `check` and `compile` also return the findings of the proof and
+    of the lint rules.
 
     Args:
         text: the program.
@@ -171,13 +171,14 @@ def compile(  # noqa: A001  (the word that people look for)
         >>> yarclang.compile("P0010 MOVEK", robot="INDUSTRIAL6").value is None
         True
 
-    The findings are those of `check`. There is no value if a finding is an error, or yarc.toml makes it one.
+    The findings are those of `check`. There is no value if one of them is an error, by itself or because
+    yarc.toml has raised its severity.
 
     Args:
         text: the program.
         robot: see `check`.
-        target: target of the text, by a name of the robot's kind of controller. For a Turbo PMAC, `rotary` is
-            streamed and `prog` is a program buffer to download.
+        target: a target that the robot's kind of controller offers for its texts. For a Turbo PMAC, a text
+            for `rotary` is streamed, and a text for `prog` is a program buffer to download.
         name: see `check`.
         folder: see `check`.
         start: see `check`.
@@ -203,7 +204,7 @@ def prove(
     start: Sequence[float] | None = None,
     cell: str | PathLike[str] | None = None,
 ) -> Result[Certificate]:
-    """Prove the effects of a controller text, and that they are those of the program.
+    """Prove the effects of a controller text, and that the program asks for exactly these effects.
 
     The text is read from scratch, whether or not yarclang wrote it. The certificate holds for this text and
     for the robot's present description.
@@ -217,7 +218,7 @@ def prove(
         >>> edited != made.text, yarclang.prove(edited, program, robot="INDUSTRIAL6").value
         (True, None)
 
-    Without the program, all properties are checked that need none: limits, collisions, the guard,
+    Without the program, only properties are checked that don't depend on it: limits, collisions, the guard,
     assignments, places of rest. A note names the properties that aren't checked.
 
         >>> judged = yarclang.prove(made.text)

@@ -43,8 +43,8 @@ class Written:
         target: target of the text, such as a streamed buffer.
         loading: instructions for a person who loads the text by hand.
         start: start position: each axis's name and a decimal number in its axis unit, joined as in `A0.5B-3`.
-        segments: segment times in the text as printed [ms], up to four digits and twelve decimals: none, one,
-            or the smallest and the largest.
+        segments: segment times [ms] as the text prints them, with up to four digits before the point and
+            twelve after it. Only the smallest and the largest are listed; empty if there are no segments.
         time: function that prints a segment time [ms].
         text: function that takes the lines of a header and returns the whole text.
     """
@@ -63,7 +63,8 @@ class Sendable:
 
     Attributes:
         lines: each line with its number in the text.
-        guarded: lines after which the controller stops the robot by itself if this computer falls silent.
+        guarded: numbers of the lines after which the controller stops the robot by itself if this computer
+            falls silent.
         capacity: number of lines that are sure to fit into the controller's buffer.
         own: further data for the communication with this kind of controller.
     """
@@ -80,7 +81,7 @@ class Settings:
 
     Attributes:
         text: writes the settings.
-        judge: proves a text with settings, also one that was edited. Returns the proved facts as sentences;
+        judge: proves a settings text, even if a user has edited it. Returns the proved facts as sentences;
             None with errors.
         differences: returns the differences of a proved text from the text that `text` writes.
         items: returns the values that are read from the controller before anything moves.
@@ -129,7 +130,7 @@ class Simulated:
 
     Attributes:
         port: network port of the controller on this computer.
-        leash: clock of the controller, if it waits for its client; otherwise None.
+        leash: clock of the simulation, if the simulation waits for its client; otherwise None.
     """
 
     port: int
@@ -153,7 +154,7 @@ class Server(Protocol):
         """Close all connections."""
 
     def tell(self, text: str) -> None:
-        """Report a text to the function `tell`, with the controller's time."""
+        """Pass a text and the controller's time to the `tell` function of `ServerMaker`."""
 
     def differences(self) -> tuple[str, ...]:
         """Return descriptions of controller features that programs have used, and that the simulation treats
@@ -180,8 +181,8 @@ class ServerMaker(Protocol):
         """Return a simulated controller.
 
         Args:
-            robot: robot for which the controller is set up; None for none.
-            cell: cell whose other machines are simulated too; None for none.
+            robot: robot for which the controller is set up; None for a controller without a robot.
+            cell: cell whose machines are simulated as well; None without a cell.
             host: host to listen on.
             port: port to listen on.
             rate: factor of simulated time relative to real time; None for as fast as possible.
@@ -216,8 +217,8 @@ class Backend:
         suffix: suffix of files with controller texts.
         targets: targets of controller texts; the first one is for streaming.
         port: default port on the network.
-        grid: returns the segment times for a robot, up to a longest one [ms] if it is given; None, with a
-            finding, if that is impossible.
+        grid: returns the segment times for a robot, up to a longest one [ms] if it is given. None, with a
+            finding, if the controller can't use the longest one.
         write: writes a plan for a target within a tolerance; None, with findings, if the controller can't run
             it.
         reader: returns the judge's reader of controller texts (the judge proves a text independently of the
@@ -229,11 +230,11 @@ class Backend:
         settings: returns the controller's settings for a robot.
         live: returns the functions that write live motions; None if there are none.
         bench: returns the simulator of `yarc sim`; None if there is none.
-        proof: returns the proof of a certified text for the independent checker; a finding if there is none.
-            Its arguments are the text, the judge's reading of it, the program, the robot, the tolerance and
-            the planner's claims. None if no text has a proof.
-        purposes: yields the purpose of each line of a text. By default, only the moves in the header are
-            known.
+        proof: returns the proof of a certified text for the independent checker; a finding if this text has
+            none. Its arguments are the text, the judge's reading of it, the program, the robot, the tolerance
+            and the planner's claims. The attribute is None for a kind of controller without proofs.
+        purposes: yields the purpose of each line of a text. By default, only the purposes of moves are known,
+            from the header.
     """
 
     kind: Kind

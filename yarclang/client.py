@@ -40,7 +40,7 @@ REPLY_TIME = 5.0
 """Longest time for an answer that needs no motion [s]. A busy computer may need seconds."""
 
 _LONGEST = 1 << 26
-"""Longest line of an answer [bytes]."""
+"""Longest line of an answer that is accepted [bytes]."""
 
 _NOT_UNDERSTOOD = "what comes back isn't understood: is it another version of yarc?"
 
@@ -49,7 +49,7 @@ _NAME = re.compile(r"(?P<robot>.+)-(?P<pid>[0-9]{1,10})\.sock")
 _TCP = re.compile(r"tcp://\[?(?P<host>[^\]]+)\]?:(?P<port>[0-9]{1,5})")
 
 _LATE = (socket.timeout, BlockingIOError)
-"""Errors of a socket whose process doesn't answer, or has too many clients waiting."""
+"""Errors that a socket raises if its process doesn't answer, or if too many clients wait for the process."""
 
 Message = Dict[str, Any]
 
@@ -68,17 +68,17 @@ class Refused(Exception):  # noqa: N818  (what a reply says)
 
 
 class Gone(Exception):  # noqa: N818
-    """The process isn't there, or not any more."""
+    """The process can't be reached, or has ended."""
 
 
 class Found(NamedTuple):
     """A process that owns a robot.
 
     Attributes:
-        name: its name, such as `industrial6-4711`.
+        name: name of the process, such as `industrial6-4711`.
         robot: name of the robot.
         pid: number of the process.
-        path: path of its socket.
+        path: path of the socket on which the process listens.
     """
 
     name: str
@@ -116,20 +116,20 @@ class Robot:
     """A connection to the process that owns a robot.
 
     Args:
-        which: path of its socket, its name, its robot's name or the number of the process; None for the only
-            one. `tcp://HOST:PORT` is the port of `yarc serve --values`, which only takes values and needs the
-            token.
-        name: name of this client for others. Without a name, the connection isn't a client but another
-            terminal: it may ask for the status, stop, hold and abort, and also resume and change the pace if
-            the robot's owner shares that.
+        which: the process: the path of its socket, its name, its number, or the name of its robot. None
+            stands for the only process that owns a robot. `tcp://HOST:PORT` is the port of `yarc serve
+            --values`; this port accepts only values, and needs the token.
+        name: name of this client for others. None: the connection isn't a client, but has the rights of
+            another terminal: it may ask for the status, stop, hold and abort. If the robot's owner shares
+            the robot, it may also resume and change the override.
         timeout: longest time for an answer [s]; motions may take as long as they need.
         token: token for the port of values.
 
     Attributes:
-        welcome: the first message; empty without a name.
+        welcome: the first message of the process; empty for a connection without a name.
 
     Raises:
-        Gone: the process isn't there.
+        Gone: the process can't be reached.
         Refused: the process uses another version of the protocol.
     """
 
@@ -203,8 +203,8 @@ class Robot:
 
         Raises:
             Refused: the order was refused.
-            TimeoutError: there was no answer in time; a later one is dropped.
-            Gone: the process isn't there any more.
+            TimeoutError: no answer came in time. An answer that comes later is ignored.
+            Gone: the process has ended.
         """
         return self._asked(dict(fields, order=order), self._timeout if patience is None else patience)
 
@@ -224,9 +224,7 @@ class Robot:
 
     def want(self, **fields: Any) -> Message:
         """Send the target of a live motion (`joints`, `pose`, `velocity`, `twist` or `finish`), and return
-        the answer.
-
-        See `ask`.
+        the answer. Errors are those of `ask`.
         """
         return self._asked(dict(fields), self._timeout)
 
@@ -263,13 +261,14 @@ class Robot:
         return self.ask("run", patience=float("inf"), program=program, approach=approach, times=times)
 
     def fill(self, values: dict[str, int], number: int | None = None) -> Message:
-        """Give values to registers that the program takes from OUTSIDE, while it waits for them.
+        """Give values to registers that are declared with OUTSIDE, while the program waits for these values.
 
-        Either all values are taken or none.
+        If one value is refused, all are refused.
 
         Args:
             values: values by the names of registers.
-            number: number of the answered question, from `wanted`; None for any open question.
+            number: number of the question that these values answer, as returned by `wanted`; None for any
+                open question.
 
         Raises:
             Refused: the values came early, late or twice, or don't fit the registers.
@@ -279,14 +278,15 @@ class Robot:
     def wanted(self, patience: float | None = None) -> Message:
         """Wait until the program asks for values, and return its question.
 
-        The question has `number`, `place`, `registers` with their ranges, and the names that are `needed`.
+        The question has `number`, `place`, `registers` with their ranges, and `needed`: the names of the
+        registers that must get a value.
 
         Args:
             patience: longest time [s]; None waits without limit. Other events are dropped in the meantime.
 
         Raises:
             TimeoutError: the program doesn't ask for values in time.
-            Gone: the process isn't there any more.
+            Gone: the process has ended.
         """
         until = None if patience is None else time.monotonic() + patience
         if not self._listens:

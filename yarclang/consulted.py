@@ -1,12 +1,12 @@
-"""Record and replay which files some work (such as a check) reads: those of the disk, or those of a bundle
-that was sent with the work.
+"""Record which files a piece of work (such as a check) reads. Or let the work read a bundle of files that was
+sent with it, instead of the disk.
 
 Everything that a check reads, searches or lists is requested through this module or `files.read_whole`. So
 the files on which a result depends can be recorded (`recorded`), and the result can be reused as long as they
 are unchanged. A process on another machine can do the same work with a bundle of these files (`bundled`).
 
-The library of this installation is always read from the disk, also for work with a bundle. A comparison of
-the results of two installations therefore compares the installations.
+The files that belong to this installation are always read from the disk, even for work with a bundle. If the
+same bundle gives different results on two installations, the installations differ.
 """
 
 from __future__ import annotations
@@ -44,24 +44,26 @@ _FILE, _FOLDER = "file", "folder"
 """Questions whether a file or a folder exists. The answer is `yes` or `no`."""
 
 _NEAREST = "nearest "
-"""Question which of a folder and the folders above is the nearest one with a file of a name, which follows
-this prefix. The answer is the number of steps up, or `none`.
+"""Prefix of a question; the name of a file follows. The question asks for the nearest folder with a file of
+this name, beginning at the path and going up. The answer is the number of steps up, or `none`.
 """
 
 _MODULES = "modules "
-"""Question which files of a folder may be the module with a name in upper case, which follows this prefix
-(`*`: any module). The answer is their names in order.
+"""Prefix of a question; the name of a module in upper case follows, or `*` for any module. The question asks
+which files of a folder may be this module. The answer is the names of these files in order.
 """
 
 CHANGED = "changed while the work went on"
-"""Answer that matches no question. It replaces two different answers to the same question."""
+"""Answer that prevents the result from being stored for reuse. A question gets it if it had two different
+answers, or if it asks for the content of a pipe or a device.
+"""
 
 Answers = dict[Question, str]
 
 
 @contextmanager
 def recorded() -> Iterator[Answers]:
-    """Record which files the work in this block reads. Work in other processes isn't recorded."""
+    """Record which files the work in this `with` block reads. Work in other processes isn't recorded."""
     record: Answers = {}
     token = _RECORD.set(record)
     try:
@@ -173,8 +175,9 @@ def content_of(path: Path, read: Callable[[], bytes]) -> bytes:
 
 @contextmanager
 def on_disk(path: Path, content: bytes) -> Iterator[Path]:
-    """Yield the path of a file on the disk with the content of `path`, for libraries that open files
-    themselves.
+    """Yield the path of a file on the disk with a given content, for libraries that open files themselves.
+
+    The file is `path` itself, or a temporary copy if the content comes from a bundle.
     """
     if _BUNDLE.get() is None or _is_ours(path):
         yield path
@@ -216,7 +219,7 @@ def content_now(path: Path) -> tuple[str, bytes]:
     """
     try:
         if path.exists() and not path.is_file():
-            return CHANGED, b""  # a pipe or a device: what it gave is gone
+            return CHANGED, b""  # a pipe or a device: its content can't be read again
         content = path.read_bytes()
     except OSError as error:
         return _unreadable(error), b""

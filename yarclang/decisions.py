@@ -16,8 +16,8 @@ from dataclasses import field
 from yarclang.frozen import frozen
 
 AGAIN = "again:"
-"""Prefix in the map of a condition that is evaluated with the input values that were read for an earlier
-condition.
+"""Prefix of a condition in the map. It means that the inputs aren't read again: the condition is evaluated
+with the values that were read for an earlier condition.
 """
 
 CONNECTIVES = ("OR", "AND")
@@ -57,7 +57,7 @@ DEEPEST = 24
 
 @frozen
 class Constant:
-    """A number."""
+    """A constant number."""
 
     number: float
 
@@ -133,7 +133,8 @@ class Watch:
         variable: the controller's variable.
         value: the input's value at which the robot stops.
         name: the input's name in the program.
-        then: name of the SUB with the motions by which the robot withdraws; empty: the motion continues.
+        then: name of the SUB with the motions by which the robot withdraws; empty: the robot only holds, and
+            can resume its motion.
         way: hash of this SUB's steps, 16 hex digits.
     """
 
@@ -150,8 +151,8 @@ class Watch:
 
 
 def only_holding(watches: Iterable[Watch]) -> tuple[Watch, ...]:
-    """Return the watched inputs without the SUBs by which the robot withdraws, so that they only stop the
-    robot on its path. Programs beside the main program use these.
+    """Return copies of watched inputs that only stop the robot on its path, without the SUBs by which it
+    withdraws. They are used for motions that aren't part of the program, such as an approach.
     """
     return tuple(Watch(one.variable, one.value, one.name) for one in watches)
 
@@ -230,6 +231,14 @@ class KeptTo:
     step: int
     rule: str
 
+    @property
+    def words(self) -> str:
+        """The rule as a program writes it, without the numbers after its reference frame: {CUP} UPRIGHT 10
+        (deg) {B}.
+        """
+        end = self.rule.rfind("}") + 1
+        return self.rule[:end] or self.rule
+
 
 @frozen
 class Permitted:
@@ -247,7 +256,7 @@ class Permitted:
 
 
 class DecisionError(Exception):
-    """A value can't be computed: a division by zero, or a result beyond the limit of registers."""
+    """A value can't be computed: a division by zero, or a result larger than `LARGEST`."""
 
 
 def is_condition(value: Value) -> bool:
@@ -404,7 +413,9 @@ def in_words(value: Value) -> str:
 
 
 def _inside(value: Value, around: str = "") -> str:
-    """Return an operand in words, in brackets unless it is a comparison joined by AND or OR."""
+    """Return an operand in words. A binary operation is put in brackets, except FLOOR, and except a
+    comparison that AND or OR joins to another condition.
+    """
     said = in_words(value)
     is_clear = around in CONNECTIVES and isinstance(value, Between) and value.operator in COMPARISONS
     if isinstance(value, Between) and value.operator != "DIV" and not is_clear:
@@ -438,5 +449,7 @@ def equals(variable: str, name: str, number: float) -> Value:
 
 
 def is_printed(number: float) -> bool:
-    """Return True if a text prints a number exactly, apart from binary rounding (0.1 + 0.2)."""
+    """Return True if a text can print a number with `DECIMALS` decimals. Binary rounding errors, as in
+    0.1 + 0.2, are ignored.
+    """
     return abs(round(number, DECIMALS) - number) <= 1e-12 * max(1.0, abs(number))

@@ -20,7 +20,7 @@ T = TypeVar("T")
 
 @frozen
 class Edit:
-    """Replaces the text of a span."""
+    """A replacement for the text of a span."""
 
     span: Span
     text: str
@@ -86,8 +86,7 @@ class Diagnostic:
         help: remedy, for people.
         fix: a change that removes the finding; None without one.
         place: in unrolled code, the commands that led to this one, such as `P0020(I=2)>P0010`.
-        level: severity of a rule's finding, or severity that a project has set; None for that of the
-            catalogue.
+        level: severity that a lint rule or the project has set; None for the severity in the catalogue.
         within: place of the cause in a module, if the finding is shown at the line that called the module.
         subject: the finding's facts for programs that act on it; None without them.
     """
@@ -138,7 +137,9 @@ class Diagnostic:
 
     @property
     def made_at(self) -> tuple[SourceFile | None, Span | None]:
-        """Return the place at which the finding was made: in a module, or its own place."""
+        """Return the place of the cause: the place in a module if the finding has one, otherwise its own
+        place.
+        """
         return (self.source, self.span) if self.within is None else (self.within.source, self.within.span)
 
     @property

@@ -30,8 +30,8 @@ files have a limited length.
 
 
 _OPEN_ALREADY = ("/dev/stdin", "/dev/fd/", "/proc/self/fd/")
-"""Names of files that were already open when this process was started. If such a file is a pipe, it has a
-writer.
+"""Names of files that were already open when this process was started. They may be read even if they are
+pipes: such a pipe has a writer, so that its reader doesn't wait forever.
 """
 
 _KINDS = {
@@ -92,7 +92,7 @@ def replace_file(path: Path, data: bytes) -> None:
     device or a pipe is written directly.
 
     Raises:
-        OSError: the file can't be written, or is write-protected. It is unchanged then.
+        OSError: the file can't be written, or is write-protected. The file is then unchanged.
     """
     if path.exists() and not path.is_file():
         path.write_bytes(data)

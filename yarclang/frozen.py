@@ -108,7 +108,7 @@ def _default(one: Field[Any]) -> object:
 
 
 def _key(names: tuple[str, ...]) -> Callable[[Any], Any]:
-    """Return a function that returns the fields of an object that are compared, as a tuple."""
+    """Return a function that returns the given fields of an object as a tuple, for comparison."""
     if not names:
         return lambda _: ()
     return attrgetter(*names, names[0]) if len(names) == 1 else attrgetter(*names)

@@ -45,8 +45,8 @@ class FrameLink:
     told: Array | None = field(default=None, compare=False)
 
     def is_same(self, other: FrameLink) -> bool:
-        """Return True if two objects describe the same frame. A line that is read again creates new
-        objects.
+        """Return True if two objects describe the same frame. A line that is parsed again gives a new object
+        for the same frame.
         """
         if self is other:
             return True
@@ -89,7 +89,7 @@ class Origin:
         angle_unit: unit of angles in the source.
         end_span: empty span at the end of the command, where a fix adds an option.
         name_span: the command's name.
-        values_span: empty span at the start of the values, where a fix adds a way-point.
+        values_span: empty span at the start of the values, where a fix adds a waypoint.
         stretch_span: the factor of STRETCH.
         time_given: for a motion time that is a parameter of a SUB, the argument of the call and its position.
         place: for a command in a loop or a SUB, the calls and passes that lead to it, outermost first, and
@@ -148,7 +148,7 @@ class PoseGoal:
         near: (n,) joint positions. Of all inverse kinematics solutions, the nearest to them is chosen. None:
             nearest to the robot's current position.
         told: the numbers as the program gives them; None for a computed pose.
-        shifted: True if the pose moves with the frame of the OFFSET around the motion.
+        shifted: True if the motion is inside an OFFSET, and the pose moves with the shifted frame.
     """
 
     base_from_moving: Array
@@ -173,7 +173,7 @@ class PoseDelta:
         axes_on_flange: True if `axes` is given on {FLANGE}.
         flange_from_moving: (4, 4) moving frame on {FLANGE}.
         told: the change as it was written; None for a computed change.
-        shifted: True if the axes turn with the frame of the OFFSET around the motion.
+        shifted: True if the motion is inside an OFFSET, and the axes rotate with the shifted frame.
     """
 
     shift: Array
@@ -189,7 +189,7 @@ class PoseDelta:
 class Reading:
     """A number of the program that is a distance or an angle, depending on the motion that uses it.
 
-    For a speed, both values are per second.
+    If the number is a speed, `length` is in m/s and `angle` in rad/s.
 
     Attributes:
         length: the number as a distance [m]; None if the command has no unit of length.
@@ -212,7 +212,7 @@ class Timing:
             (`[50%]`).
         ramp: share of the limits of acceleration and jerk that any motion may use (`ACC 30%`).
         speed: cruise speed of the moving frame's origin (`[V 250]`), or angular speed of the frame if the
-            origin doesn't move. `duration` is None then.
+            origin doesn't move. If `speed` is given, `duration` is None.
         ceiling: speed [m/s] that the origin of the moving frame, or of the tool, never exceeds (`[V<=250]`),
             in a motion that is otherwise as fast as possible.
     """
@@ -237,7 +237,7 @@ class Allowed:
         row: row of the names in the command, from 0.
         start: first column of the names.
         end: column after the names.
-        cell_line: line of the cell's file that allows the contact, if not the command does.
+        cell_line: line of the cell's file that allows the contact; None if the command itself allows it.
     """
 
     first: str
@@ -340,7 +340,7 @@ class AvoidMove(MotionHead):
     """A motion in joint space to the goal, on a path around all obstacles.
 
     The path is straight if the straight line is free. Otherwise it is a natural cubic spline (as in
-    SplineMove) through way-points that the planner finds.
+    SplineMove) through waypoints that the planner finds.
     """
 
     origin: Origin
@@ -363,8 +363,9 @@ class LineMove(MotionHead):
     """A motion of the moving frame along a straight line. The frame rotates about one fixed axis by the
     smaller angle.
 
-    If `avoids` is set, the planner replaces the motion by LineMoves without it: one if the straight line is
-    free, otherwise several around the obstacles. The last of them has the original goal.
+    If `avoids` is True, the planner replaces the motion by one or more LineMoves in which `avoids` is False:
+    one if the straight line is free, otherwise several around the obstacles. The last of them has the
+    original goal.
     """
 
     leads_frame = True
@@ -418,14 +419,14 @@ class ArcMove(MotionHead):
 
 @frozen(eq=False)
 class PoseSplineMove(MotionHead):
-    """A C2 curve of the moving frame from its current pose through all way-points.
+    """A C2 curve of the moving frame from its current pose through all waypoints.
 
-    All way-points have the same `flange_from_moving`. Positions and unit quaternions are natural cubic
+    All waypoints have the same `flange_from_moving`. Positions and unit quaternions are natural cubic
     splines over a parameter u; the quaternions are then normalised. Of the two signs of each quaternion, the
     one nearer to the previous quaternion is used.
 
-    From one way-point to the next, u grows by sqrt(distance^2 + (`TURN_CHORD` * angle)^2). Neighbours for
-    which u would grow by 1 um or less count as one way-point.
+    From one waypoint to the next, u grows by sqrt(distance^2 + (`TURN_CHORD` * angle)^2). Neighbours for
+    which u would grow by 1 um or less count as one waypoint.
     """
 
     leads_frame = True
@@ -440,19 +441,19 @@ class PoseSplineMove(MotionHead):
 
     @property
     def goals(self) -> tuple[PoseGoal, ...]:
-        """The way-points."""
+        """The waypoints."""
         return self.waypoints
 
 
 TURN_CHORD = 0.1
-"""Growth of a spline's parameter u for a turn of 1 rad between two way-points [m]."""
+"""Growth of a spline's parameter u for a rotation by 1 rad between two waypoints [m]."""
 
 
 @frozen(eq=False)
 class SplineMove(MotionHead):
-    """A natural cubic spline in joint space from the current position through all way-points.
+    """A natural cubic spline in joint space from the current position through all waypoints.
 
-    The parameter is the chord length in joint space. Equal neighbours count as one way-point.
+    The parameter is the chord length in joint space. Equal neighbours count as one waypoint.
     """
 
     origin: Origin
@@ -466,7 +467,7 @@ class SplineMove(MotionHead):
 
     @property
     def goals(self) -> tuple[JointGoal | PoseGoal, ...]:
-        """The way-points."""
+        """The waypoints."""
         return self.waypoints
 
 
@@ -604,8 +605,8 @@ class Dwell:
 class SetOutput:
     """A SET: an output gets a value after the previous motion has ended.
 
-    `tool` is set if the output is the lock of a tool changer: it is the tool that is on the flange afterwards
-    according to TOOL; empty for none.
+    `tool` is set only if the output locks a tool changer. It then names the tool that is on the flange
+    afterwards, as declared by TOOL; it is empty if no tool is on the flange.
     """
 
     origin: Origin

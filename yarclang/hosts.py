@@ -1,8 +1,9 @@
 """Check that a browser's request is meant for this server, and comes from the server's own pages.
 
-Any page in the same browser can send requests to this machine. Its site can also give its own name this
-machine's address (DNS rebinding), so that the browser treats both as one site. But the Host header still has
-the name to which the browser connected, and the Origin header still has the origin of the page.
+Any page in the same browser can send requests to this machine. A hostile site can also let its own host name
+resolve to this machine's address (DNS rebinding); the browser then takes this server for a part of that site.
+The headers reveal both attacks: Host has the name to which the browser connected, and Origin has the origin
+of the page.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ import re
 from urllib.parse import urlsplit
 
 HERE = frozenset({"localhost", "127.0.0.1", "::1"})
-"""Names of this machine for itself."""
+"""Names by which this machine can reach itself."""
 
 _HOST = re.compile(
     r"(?:\[(?P<six>[0-9a-f:.]+)\]|(?P<name>[^\s:@/?#\[\]]+))(?::(?P<port>[0-9]{1,5}))?", re.ASCII

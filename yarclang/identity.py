@@ -67,24 +67,24 @@ def key_of(step: Motion) -> bytes:
             timing.share,
             timing.ramp,
             None if speed is None else _key_of_reading(speed),
-            # Add the ceiling only if there is one, so that the keys of programs without a ceiling don't
-            # change.
+            # Optional parts, here and below, are added only if the motion has them. So the keys of motions
+            # without them don't change.
             *(() if timing.ceiling is None else (timing.ceiling,)),
         ),
         step.tolerance,
         None if step.blend is None else _key_of_reading(step.blend),
         _key_of_link(step.origin.tool),
-        # Add the search only if an input may end the motion, for the same reason.
+        # The search, if an input may end the motion.
         *(
             ()
             if search is None
             else ((search.variable, search.value, search.name, search.flag, search.depth),)
         ),
-        # Add the pairs only if bodies may touch, for the same reason.
+        # The pairs of bodies that may touch.
         *((tuple([(one.first, one.second) for one in step.allowed]),) if step.allowed else ()),
-        # Add the rules only if there are any, for the same reason.
+        # The path constraints.
         *((tuple([("keep", one.told) for one in step.keeps]),) if step.keeps else ()),
-        # Written only if the line may be left, likewise.
+        # The word "avoids", if the motion avoids obstacles.
         *(("avoids",) if isinstance(step, LineMove) and step.avoids else ()),
     )
 
@@ -191,8 +191,8 @@ def _bytes_of(step: Step) -> bytes:
         and step.within is None
         and (compared := simple(step.condition)) is not None
     ):
-        # Write a condition that only compares an input with a value in the older form, so that hashes don't
-        # change.
+        # A condition that only compares an input with a value is written in the older form, so that hashes
+        # don't change.
         one, value = compared
         step_parts = (step.origin, Signal(one.name, one.variable), value)
         fed.append(b"When(")
@@ -209,7 +209,7 @@ def _feed(feed: Callable[[bytes], object], value: object) -> None:
     if value is None or kind is float or kind is str:  # by far the most frequent kinds
         feed(f"{value!r};".encode())
     elif kind is Keep and not isinstance(value.region, Sight):  # type: ignore[attr-defined]
-        # the form of all rules before there were cones
+        # Rules without a cone keep their older form, so that hashes don't change.
         keep: Keep = value  # type: ignore[assignment]
         feed(b"Keep(")
         _feed(feed, (keep.kind, keep.frame, keep.of, *keep.region.numbers))
@@ -265,9 +265,10 @@ A default value is left out of the hash, so that the hash of an older program do
 
 @cache
 def _known_fields(kind: type[Any]) -> tuple[bytes, tuple[str, ...]] | None:
-    """Return the bytes with which a dataclass begins in a hash, and the names of its compared fields.
+    """Return the bytes that begin a dataclass's entry in a hash, and the names of the fields that it
+    compares.
 
-    None for Origin, which adds only its label, and for all other types.
+    None for Origin, which adds only its label, and for types that aren't dataclasses.
     """
     if issubclass(kind, Origin) or not is_dataclass(kind):
         return None

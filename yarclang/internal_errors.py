@@ -29,8 +29,8 @@ def internal_error(
         span: the place in the file, if it is known.
 
     Raises:
-        KeyboardInterrupt: the exception was caused by one. Python wraps exceptions of `__set_name__` while it
-            creates a class.
+        KeyboardInterrupt: the caught exception wraps a KeyboardInterrupt. Python wraps any exception in
+            `__set_name__` while it creates a class.
     """
     if isinstance(error.__cause__, KeyboardInterrupt):
         raise error.__cause__

@@ -2,9 +2,8 @@
 
 Motions and dwells have a known duration. A WAIT for an input and a HOLD end at an unknown time, so they are
 counted instead. The two branches of a WHEN may have different durations; a program then has a shortest and a
-longest time. The number of passes of a loop is unknown as well. The longest time contains one pass of each
-loop, or the fewest passes that lead to the loop's end, and the text of the duration states this. All packages
-and commands get their times from this module.
+longest time. The number of passes of a loop is unknown as well, so the times count each loop once, and the
+text of the duration says this (`ONCE`). All packages and commands get their times from this module.
 """
 
 from __future__ import annotations
@@ -26,7 +25,7 @@ ONCE = "each loop once"
 """Text after times that count every loop once."""
 
 _PRINTED = 5e-4
-"""Times that differ by less than this are printed as one [s]."""
+"""If the shortest and the longest time differ by at most this, only one time is printed [s]."""
 
 
 @frozen
@@ -34,10 +33,10 @@ class Lasting:
     """Duration of a program or of some of its steps.
 
     Attributes:
-        least: known time of motions and dwells along the shortest branches [s].
-        most: known time of motions and dwells along the longest branches [s].
-        fewest: smallest number of waits for an input or the operator along any branches.
-        waits: largest number of waits for an input or the operator along any branches.
+        least: known time of motions and dwells, if the shortest branches are taken [s].
+        most: known time of motions and dwells, if the longest branches are taken [s].
+        fewest: smallest possible number of waits for an input or the operator.
+        waits: largest possible number of waits for an input or the operator.
         loops: True if these values count each loop once.
     """
 
@@ -129,7 +128,7 @@ class Schedule:
         places: start of each part, and the end of the program [s]. The branches of a WHEN are placed one
             after the other, as a chart draws them, so that each place in the program has a time of its own.
         clocks: latest known time at which the program reaches each part and its end [s]. Both branches of a
-            WHEN begin at one time, and the part after them begins after the longer branch.
+            WHEN begin at the same time, and the part after the WHEN begins after the longer branch.
     """
 
     lasting: Lasting
@@ -142,13 +141,13 @@ class _Open:
     """A WHEN or a loop whose end hasn't been reached yet.
 
     Attributes:
-        before: duration of the program up to this WHEN or loop, since the enclosing WHEN or loop.
+        before: duration from the start of the enclosing WHEN or loop to the start of this one.
         clock: the clock at its start [s].
         is_loop: True for a loop.
         other: duration of the first branch of a WHEN, or of a loop up to its EXITs (None: none yet).
         end: the clock at the end of `other` [s].
         ends: True if the program does not reach the end of the first branch.
-        whole: duration of the passes that lead to another pass; None: none yet.
+        whole: duration of a pass that another pass follows; None: no such pass yet.
     """
 
     before: Lasting
@@ -179,7 +178,7 @@ class _Clock:
     endings: list[Lasting] = field(default_factory=list)
 
     def take(self, mark: Mark) -> None:
-        """Process a part without a known time."""
+        """Process a mark: a wait, or the start or end of a branch or a loop."""
         match mark:
             case "wait" | "hold":
                 self.so_far = self.so_far.then(Lasting(fewest=1, waits=1))
@@ -239,7 +238,9 @@ class _Clock:
             self.so_far, self.clock = when.before.then(self.so_far.either(other)), max(self.clock, end)
 
     def _left(self, loop: _Open) -> None:
-        """Continue after a loop. Its duration is one pass or more, or only the part up to its exit."""
+        """Add the duration of a loop, and continue after it. The shortest duration is that of the shortest
+        way to the loop's end or to an EXIT. The longest duration is that of the longest single pass.
+        """
         took = None if self.ends else self.so_far
         if loop.other is not None:
             took = loop.other if took is None else took.either(loop.other)
@@ -265,7 +266,7 @@ def schedule_of(parts: Iterable[Part]) -> Schedule:
     places, clocks = [], []
     for part in parts:
         places.append(place)
-        # A second branch begins at the clock of the first one.
+        # The second branch of a WHEN begins at the same clock as the first one.
         clocks.append(now.open[-1].clock if part == "else" and now.open else now.clock)
         if isinstance(part, float):
             now.so_far, place, now.clock = now.so_far.then(known(part)), place + part, now.clock + part

@@ -50,7 +50,9 @@ class Recent:
         self._kept: OrderedDict[Hashable, Any] = OrderedDict()
         self._used: set[Hashable] = set()
         self._before: list[set[Hashable]] = []
-        """Keys used by runs that have ended since the order was last updated."""
+        """For each run of the compiler since the order of use was last updated: the keys that the run has
+        used.
+        """
         self._uses = deque([0], maxlen=_LOOKS)
         self.hits = 0
         self.misses = 0
@@ -66,8 +68,8 @@ class Recent:
             return None
         self.hits += 1
         self._used.add(key)
-        # Below this size, nothing will be dropped soon, and updating the order would cost more than the
-        # access.
+        # Below half of the largest size, nothing will be dropped soon, and updating the order would cost more
+        # than the access.
         if 2 * len(self._kept) > self._most:
             try:
                 self._kept.move_to_end(key)
@@ -87,13 +89,13 @@ class Recent:
         """Drop old results after a run of the compiler.
 
         Args:
-            least: number of results that are always kept. Otherwise up to twice the largest number of results
-                that one of the last runs used is kept.
+            least: number of results that are always kept. If one of the last runs used more, up to twice the
+                number of results that it used are kept.
         """
         used, self._used = self._used, set()
         self._uses.append(len(used))
         self._before.append(used)
-        # Updating the order takes as long as checking some lines, so it is done once for several runs.
+        # Updating the order of use takes as long as checking some lines, so it is done once for several runs.
         most = max(least, 2 * max(self._uses))
         if len(self._before) >= _LOOKS_AT_ONCE or len(self._kept) > most + least // 8:
             self._put_in_order()
@@ -123,22 +125,22 @@ class Recent:
 
 
 _LOOKS_AT_ONCE = 8
-"""Largest number of runs after which the order of use is updated."""
+"""Number of runs after which the order of use is updated, unless it was updated earlier."""
 
 _LOOKS = 32
-"""Number of last runs that determine how many results are kept."""
+"""Number of the latest runs that determine how many results are kept."""
 
 
 class Lately(Generic[T]):
     """A function of texts and numbers that caches its latest results.
 
-    There are two tables. When the younger table is full, it becomes the older one, and results in the former
-    older table that weren't used since are dropped. Two threads may use it at the same time, as with
-    `Recent`.
+    There are two tables, a younger and an older one. A result that is used is put into the younger table.
+    When this table is full, it replaces the older one, whose unused results are dropped. Two threads may use
+    the function at the same time, as with `Recent`.
 
     Args:
         make: computes a result.
-        least: smallest number of results in a full table.
+        least: number of results in a full table, unless `expect` makes the tables larger.
     """
 
     def __init__(self, make: Callable[..., T], least: int) -> None:
@@ -165,9 +167,7 @@ class Lately(Generic[T]):
         return len(self._young) + len(self._old)
 
     def expect(self, number: int) -> None:
-        """Make room for this many different results in a row, so that they are kept until they are used
-        again.
-        """
+        """Enlarge the tables, so that `number` different results are all kept until they are used again."""
         self._enough = max(self._least, 2 * number)
 
     def cache_clear(self) -> None:

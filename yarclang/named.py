@@ -8,7 +8,7 @@ from typing import TypeVar
 T = TypeVar("T")
 
 
-class NamedTwice(ValueError):  # noqa: N818 - it is said in a sentence: a finding is named twice
+class NamedTwice(ValueError):  # noqa: N818 - the name reads as in the sentence "a finding is named twice"
     """Two items of an extensible set have the same name, so that the second would silently replace the
     first.
     """

@@ -80,7 +80,7 @@ def _workers(work: Callable[[T], R], items: Sequence[T], number: int) -> Iterato
 
     context = get_context("fork")
     started: list[tuple[ForkProcess, Connection]] = []
-    # The processes share all pages of memory to which none of them writes.
+    # Keep the garbage collector from writing to memory pages that the processes share.
     gc.freeze()
     try:
         for _ in range(number):
@@ -128,7 +128,7 @@ def _results(lines: list[Connection], count: int) -> Iterator[tuple[int, Any]]:
 
 
 def _hand_out(line: Connection, waiting: Iterator[int], busy: list[Connection]) -> None:
-    """Give a process the next item, if any is left."""
+    """Give a process the next item, if there is one."""
     place = next(waiting, None)
     if place is not None:
         with suppress(OSError):

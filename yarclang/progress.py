@@ -72,7 +72,7 @@ def silent() -> Iterator[None]:
 
 @contextmanager
 def within() -> Iterator[None]:
-    """Hide the reports of the work inside this `with` block: repeat the last report before it instead."""
+    """Keep the last report before this `with` block: each report of the work inside the block repeats it."""
     around = _TOLD.get()
     if around is None:
         yield

@@ -51,7 +51,7 @@ class Cylinder:
 
 @frozen
 class Capsule:
-    """All points within a distance of a segment of the frame's z axis, whose middle is the origin.
+    """All points within a distance of a segment on the frame's z axis. The segment's middle is the origin.
 
     Attributes:
         radius: the distance [m].

@@ -37,7 +37,7 @@ def own_secret() -> bytes | None:
 
 
 def signature(secret: bytes, contents: Iterable[bytes | memoryview]) -> bytes:
-    """Return the signature of several contents. It covers where each content ends, too."""
+    """Return one signature of several contents and of their lengths."""
     code = hmac.new(secret, digestmod="sha256")
     for content in contents:
         code.update(memoryview(content).nbytes.to_bytes(8, "little"))
@@ -65,7 +65,7 @@ def secret_in(path: Path) -> bytes:
         finally:
             os.close(handle)
         with suppress(FileExistsError):
-            os.link(own, path)  # the first one wins
+            os.link(own, path)  # if several processes do this at once, the first one wins
         own.unlink()
     seen = path.stat()
     secret = path.read_bytes()

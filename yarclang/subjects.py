@@ -59,7 +59,9 @@ Subject = Name | MissingUnit | LeftOut
 
 
 def unknown(text: str, known: Iterable[str] = ()) -> Name:
-    """Return a word of a program as a name that isn't among `known`."""
+    """Return the subject of a finding about an unknown word of a program: the word, and similar names among
+    `known`.
+    """
     meant, *others = near(text, known) or ("",)
     return Name(text.strip("{}$() ").upper(), meant, tuple(others))
 

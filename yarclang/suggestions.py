@@ -13,10 +13,12 @@ _NEAR = 0.6
 """Smallest similarity of a mistyped word and a name: difflib's ratio."""
 
 _SHORTEST_SLIP = 3
-"""Smallest number of letters of a word in which one may be missing. A shorter word counts as another word."""
+"""Smallest number of letters of the shorter word at which a missing or additional letter counts as a typing
+mistake. Shorter words count as different words.
+"""
 
 _AS_NEAR = 0.08
-"""Names whose similarity is smaller by at most this are as likely as the most similar name."""
+"""Largest difference of similarity at which a name counts as just as likely as the most similar name."""
 
 _MOST_LIKELY = 12
 """Number of names whose longest common subsequence with a mistyped word is computed. They are the most
@@ -87,7 +89,7 @@ def _near(word: str, known: tuple[str, ...]) -> tuple[str, ...]:
 
 @lru_cache(maxsize=8)
 def _described(known: tuple[str, ...]) -> tuple[dict[str, str], tuple[int, ...]]:
-    """Return names by their upper-case form, and the letters of each."""
+    """Return names by their upper-case form, and the letters of each name as bits."""
     names = dict(zip(map(str.upper, known), known, strict=True))
     return names, tuple(map(_letters, names))
 
@@ -95,9 +97,9 @@ def _described(known: tuple[str, ...]) -> tuple[dict[str, str], tuple[int, ...]]
 def _likely(word: str, names: Iterable[str], letters: Iterable[int]) -> list[str]:
     """Select the few names that may be most similar to a word.
 
-    The names are selected by two upper bounds of difflib's ratio: one by lengths and letters and, for the
-    best of these, one by the longest common subsequence. These bounds take a hundredth and a tenth of
-    difflib's time.
+    Two upper bounds of difflib's ratio select the names. The first compares lengths and letters, and takes a
+    hundredth of difflib's time. The second uses the longest common subsequence, and takes a tenth; it is
+    computed only for the names that are best by the first bound.
 
     Args:
         word: the typed word.
@@ -107,8 +109,9 @@ def _likely(word: str, names: Iterable[str], letters: Iterable[int]) -> list[str
     from heapq import nlargest
 
     mine, length, begin = _letters(word), len(word), word[: len(word) // 2]
-    # 2 common >= near (length + other), and other >= common. So at least this many of the word's letters
-    # occur in the name, each counted once.
+    # A similar name has `common` letters in common with the word: 2 common >= _NEAR (length + other), and
+    # other >= common. From this follows the least number of different letters of the word that the name
+    # contains.
     fewest = mine.bit_count() - length + _NEAR / (2.0 - _NEAR) * length
     pairs = [
         (name, theirs)

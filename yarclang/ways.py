@@ -109,8 +109,9 @@ def line_to(steps: Iterable[Step]) -> list[Step]:
     """Return one sequence of steps without branches that leads to the last step. It has no When, Else or
     other steps that only mark branches and loops.
 
-    The sequence contains the first branch that continues of each ended WHEN, the current branch of an open
-    WHEN, and one pass of a loop up to its first EXIT.
+    For a WHEN that has ended, the sequence follows the first branch whose end can be reached. For a WHEN that
+    hasn't ended yet, it follows the branch of the last step. For a loop, it follows one pass up to its first
+    EXIT.
     """
     line: list[Step] = []
     walked = Ways[tuple[Step, ...]](())

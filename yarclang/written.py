@@ -10,14 +10,15 @@ from yarclang.hir import Origin, TimedMove
 
 
 def slower(share: float, origin: Origin) -> tuple[str, Fix | None]:
-    """Return the text of a reduced speed as a program writes it, and a fix that writes it.
+    """Return a reduced speed as text, and a fix that writes the speed into the program.
 
     Args:
         share: share of the speed in the line, above 0.
         origin: the command.
 
     Returns:
-        Text such as `[V 20]`. There is no fix if the speed isn't a plain number of the line itself.
+        A text such as `[V 20]`, and its fix. If the line has no speed that is a plain number: a text such as
+        `50 % of this speed`, and None.
     """
     if (written := written_speed(origin)) is None or origin.time_span is None:
         return f"{share * 100:.3g} % of this speed", None

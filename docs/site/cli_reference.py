@@ -63,7 +63,7 @@ def described(command: click.Command, context: click.Context) -> list[str]:
 
 
 def paragraphs(text: str) -> list[str]:
-    """Return a help text as Markdown: what click keeps as it is written becomes a block of text."""
+    """Return a help text as Markdown. Paragraphs that click doesn't rewrap become blocks of plain text."""
     lines: list[str] = []
     for paragraph in inspect.cleandoc(text.split("\f", maxsplit=1)[0]).split("\n\n"):
         if paragraph.startswith("\b\n"):
@@ -74,12 +74,12 @@ def paragraphs(text: str) -> list[str]:
 
 
 def code(text: str) -> str:
-    """Return a text as code. A bar in code divides no cells of a table in Python-Markdown."""
+    """Return a text as inline code. In Python-Markdown, a bar in code doesn't divide cells of a table."""
     return f"`{text}`"
 
 
 def prose(text: str) -> str:
-    """Return a text in which nothing is Markdown but what stands in backticks."""
+    """Return a text on one line with all special characters of Markdown escaped, except in backticks."""
     flat = " ".join(text.split())
     parts = re.split(r"(`[^`]*`)", flat)
     return "".join(

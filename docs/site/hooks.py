@@ -99,7 +99,7 @@ def shown(path: Path, text: str) -> str:
 
 
 def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:  # noqa: ARG001  (MkDocs' signature)
-    """Make links between files links between pages."""
+    """Convert links between files to links between pages."""
     here = page.file.src_uri
     source = ROOT / "README.md" if here == "index.md" else ROOT / "docs" / here
     if not source.exists():
@@ -122,8 +122,8 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
 
 
 def indented(text: str) -> str:
-    """Return Markdown whose lists are indented by four spaces a level, which Python-Markdown needs; GitHub
-    takes the width of the marker.
+    """Return Markdown whose lists are indented by four spaces a level, which Python-Markdown needs.
+    (GitHub requires only the width of the marker.)
     """
     lines = []
     columns: list[int] = []

@@ -1,5 +1,5 @@
-"""Make the references of robot.toml and cell.toml from the forms that yarclang reads them with; keys.toml
-says in words what each key is.
+"""Make the references of robot.toml and cell.toml from the models with which yarclang reads these files.
+keys.toml has the descriptions of the keys.
 """
 
 import tomllib
@@ -66,7 +66,7 @@ def rows(table: type[Table], words: dict[str, str]) -> list[str]:
 
 
 def otherwise(table: type[Table], key: str, field: FieldInfo) -> str:
-    """Return what holds without a key."""
+    """Return the default of a key, or "required". The text is empty if the key has no default."""
     if key in table.required:
         return "**required**"
     default = field.default
@@ -113,7 +113,7 @@ def is_table(annotation: Any) -> bool:
 
 
 def bounds(metadata: list[Any]) -> str:
-    """Return the bounds of a number; the bounds of all numbers aren't worth a word."""
+    """Return the bounds of a number as text. The text is empty for the bounds that all numbers have."""
     flat = [each for one in metadata for each in (getattr(one, "metadata", None) or [one])]
     low = next((each.ge for each in flat if isinstance(each, Ge)), None)
     high = next((each.le for each in flat if isinstance(each, Le)), None)

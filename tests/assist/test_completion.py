@@ -1,4 +1,4 @@
-"""What may stand at a place."""
+"""Tests of completion: the candidates at a place in a text."""
 
 import re
 
@@ -133,7 +133,7 @@ def test_what_is_written_over():
 
 @pytest.mark.parametrize("name", command_names())
 def test_a_command_is_complete_once_its_holes_are_filled(name: str):
-    """Its snippet has the parts that a line needs: with numbers for the values it has no error of form."""
+    """A snippet has all parts of a line: with numbers in its holes, it has no error of form."""
     for head in (HEAD, "ROBOT INDUSTRIAL6\n"):
         text, line, column = marked(f"{head}{name}|")
         found = next(one for one in candidates_at(looked_at(text), line, column) if one.label == name)

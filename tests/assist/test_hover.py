@@ -1,4 +1,4 @@
-"""What is said of the place under the mouse."""
+"""Tests of the text for the place under the mouse."""
 
 import re
 from dataclasses import replace
@@ -60,7 +60,7 @@ def test_a_command_tells_where_it_leads(planned):
     lines = text.splitlines()
     assert lines[0].startswith("- ends with `{TCP}` in `{TABLE}` at ")
     assert np.allclose(numbers(lines[0]), [100, 100, 400, 0, 0, 0], atol=1e-3)
-    # worked out by hand: the table is turned by 90 deg about z
+    # computed by hand: the table is turned by 90 deg about z
     assert np.allclose(numbers(lines[1]), [-100, 1000, 1000, 0, 0, 90], atol=1e-3)
     joints = np.deg2rad(numbers(lines[2]))
     pose = tool_poses(robot().chain, joints[None], robot().flange_from_frame["TCP"])[0]
@@ -103,7 +103,7 @@ def test_frames_tell_their_chain(planned):
         ("UP\nREPEAT", "Goes up."),
         ("MIN", ""),
         ("deg,s", "a unit of angle"),
-        ("DEFAULT", "what lines of this file may leave out"),
+        ("DEFAULT", "parts that lines of this file may leave out"),
         ("! Goes", ""),
         ("INDUSTRIAL6", ""),
     ],
@@ -135,8 +135,8 @@ def test_suppressed_codes_are_explained():
 
 
 def test_a_half_typed_line_leaves_the_others_what_they_were(planned):
-    """Lines that are as they were have their motions of before the edit, wherever they are now; those that
-    were changed have none.
+    """Unchanged lines keep their motions from before the edit, even if they have moved; changed lines have
+    none.
     """
     text = PROGRAM.replace("P0010 MOVEJ READY\n", "P0007 MOV\nP0010 MOVEJ READY\n").replace(
         "P0040 MOVEJ 10", "P0040 MOVEJ 11"
@@ -191,6 +191,6 @@ def test_a_pose_tells_where_it_is_in_its_frame_and_in_the_base(planned):
     assert "POSE P1 100 100 400" in text
     inside, base = (numbers(line) for line in text.splitlines() if line.startswith("- in `{"))
     assert np.allclose(inside, [100, 100, 400, 0, 0, 0], atol=1e-3)
-    # worked out by hand: the table is turned by 90 deg about z
+    # computed by hand: the table is turned by 90 deg about z
     assert np.allclose(base[:3], [-100, 900 + 100, 600 + 400], atol=1e-3)
     assert base[5] == pytest.approx(90)

@@ -1,4 +1,4 @@
-"""Where names are declared and used, and other names for them."""
+"""Tests of finding declarations and uses of names, and of renaming."""
 
 from pathlib import Path
 
@@ -37,7 +37,7 @@ P0040 MOVEJ HOME
 
 
 def at(text: str, piece: str, number: int = 1) -> tuple[int, int]:
-    """The place of the first letter of a piece of a text."""
+    """Return the line and column of the `number`-th occurrence of a piece of a text."""
     place = -1
     for _ in range(number):
         place = text.index(piece, place + 1)

@@ -1,4 +1,4 @@
-"""What a file consists of, its folds, and the kinds of its words."""
+"""Tests of a file's outline, its folds, and the kinds of its words."""
 
 from itertools import pairwise
 

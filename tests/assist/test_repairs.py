@@ -1,4 +1,4 @@
-"""What can be done about findings, and the edits that format a text."""
+"""Tests of the repairs of findings, and of the edits that format a text."""
 
 import pytest
 from conftest import HERE
@@ -24,7 +24,7 @@ END
 
 
 def repaired(line: str, code: str, head: str = HEAD, *, plans: bool = False):
-    """The repairs of a finding in a line, each as its title and the line that comes of it."""
+    """Return the repairs of a finding in a line, each as its title and the repaired line."""
     view = checked(head + BODY + line + "\n", plans=plans)
     found = view.checked.diagnostics
     (finding,) = [one for one in found if one.code == code]
@@ -72,7 +72,9 @@ def test_missing_units(line: str, after: list[str] | None):
 
 @pytest.mark.parametrize(("label", "unit"), [("P0020", "deg"), ("P0050", "mm")])
 def test_units_that_only_planning_misses(label: str, unit: str):
-    """The message says it in other words than others do; the subject of the finding is the same."""
+    """The message of planning has other words than that of other checks, but the same subject, and so the
+    same repair.
+    """
     rows = (HERE / "rejected" / "speed_units.yarc").read_text().splitlines()
     wanted = [row for row in rows if "! error" not in row or row.startswith(label)]
     view = checked("\n".join(("ROBOT INDUSTRIAL6", *wanted, "")), plans=True)

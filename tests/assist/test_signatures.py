@@ -1,4 +1,4 @@
-"""The names and units of values while they are typed."""
+"""Tests of the hints of names and units of values while they are typed."""
 
 import pytest
 

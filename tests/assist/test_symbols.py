@@ -1,4 +1,4 @@
-"""Names, where they are known and where they are used."""
+"""Tests of names: where they are known, and where they are used."""
 
 import pytest
 

@@ -1,4 +1,6 @@
-"""Whatever is typed so far, wherever somebody asks: there is an answer, and never an exception."""
+"""Tests of texts that are typed only in part: each request at each place gets an answer, and never an
+exception.
+"""
 
 import pytest
 from hypothesis import given, settings
@@ -26,7 +28,7 @@ PIECES = [
 
 
 def ask_here(view: View, line: int, column: int) -> None:
-    """Everything that is asked at a place."""
+    """Make all requests for a place, and check their answers."""
     hover_at(view, line, column)
     for one in candidates_at(view, line, column):
         assert one.span.line == line
@@ -44,7 +46,7 @@ def ask_here(view: View, line: int, column: int) -> None:
 
 
 def ask_all(view: View) -> None:
-    """Everything that is asked of a whole text."""
+    """Make all requests for a whole text."""
     sketch = view.sketch
     outline(sketch)
     folds(sketch)
@@ -94,7 +96,7 @@ def test_any_text(text: str, data: st.DataObject):
 
 
 def test_planned_programs_are_asked_everywhere():
-    """With a plan there is more to say: at every word of a whole program."""
+    """In a planned program, hovering at every word works, too."""
     view = checked(PATHS[6].read_text(), plans=True)
     assert view.checked.plan is not None
     for number, line in enumerate(view.sketch.source.lines, 1):

@@ -1,4 +1,4 @@
-"""Texts with a mark where somebody types, and what is known of them."""
+"""Texts with a mark where a person types, and the views of them that the assistant uses."""
 
 from functools import cache
 from pathlib import Path
@@ -17,7 +17,7 @@ EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 
 
 def marked(text: str) -> tuple[str, int, int]:
-    """The text without the mark, and its line and column from 1."""
+    """Return the text without the mark, and the mark's line and column, both from 1."""
     before, mark, behind = text.partition(MARK)
     assert mark
     return before + behind, before.count("\n") + 1, len(before.rpartition("\n")[2]) + 1
@@ -45,12 +45,12 @@ LIBRARY = modules(EXAMPLES)
 
 
 def looked_at(text: str, name: str = "test.yarc") -> View:
-    """A text that nobody has checked yet."""
+    """Return the view of a text that hasn't been checked."""
     return View(sketch_of(SourceFile(name, text)), None, robot(), LIBRARY)
 
 
 def checked(text: str, folder: Path = EXAMPLES, *, plans: bool = False) -> View:
-    """A text with all that the pipeline says of it."""
+    """Return the view of a text with all findings of the pipeline."""
     source = SourceFile(str(folder / "test.yarc"), text)
     found = check_text(source, folder, Options(), plans=plans)
     return View(sketch_of(source), found, robot(), LIBRARY)

@@ -1,5 +1,5 @@
-"""The settings that a controller gets: definitions and feedback are inverses, limits in counts, stops that
-stop.
+"""Tests of the settings for a controller: definitions and feedback are inverse, limits are in counts, and
+stops brake hard enough.
 """
 
 import math
@@ -16,14 +16,14 @@ from yarclang.runtime.pmac.performance import perform
 
 
 def axis_definitions(robot):
-    """Their lines, the coordinate system first."""
+    """Return the lines of the axis definitions, beginning with the coordinate system."""
     lines = settings_text(robot).splitlines()
     begin = lines.index(f"&{robot.controller.coordinate_system}")
     return lines[begin : lines.index("", begin)]
 
 
 def values(text):
-    """The I-variables of a settings text."""
+    """Return the values of the I-variables of a settings text."""
     return {name: float(value) for name, value in re.findall(r"^(I\d+)=(-?[0-9.]+)", text, re.M)}
 
 
@@ -38,7 +38,7 @@ def test_the_definitions_are_listing_1(industrial6, conformance):
 
 
 def definitions(robot):
-    """The matrix of the axis definitions, read from their text: counts per axis unit."""
+    """Return the matrix of the axis definitions in the text, in counts per axis unit."""
     matrix = np.zeros((robot.size, robot.size))
     for row, line in enumerate(axis_definitions(robot)[1:]):
         _, _, terms = line.partition("->")
@@ -62,7 +62,9 @@ def test_the_feedback_plc_inverts_the_definitions(robot):
 
 
 def assert_inverse(robot):
-    """PLC 0, evaluated as the controller would: counts from the definitions give back the joints."""
+    """Check that PLC 0, evaluated as by the controller, computes joint positions from counts of the axis
+    definitions.
+    """
     text = settings_text(robot)
     plc = text.split("OPEN PLC 0 CLEAR\n")[1].split("CLOSE")[0].splitlines()
     rng = np.random.default_rng(4)
@@ -73,7 +75,7 @@ def assert_inverse(robot):
         variables = {f"I{motor}08": scale for motor in robot.controller.motors}
         for motor, count in zip(robot.controller.motors, counts, strict=True):
             variables[f"M{motor}62"] = count * scale * 32
-        assert plc[-1] == "P8105=P8103"  # the guard's heartbeat
+        assert plc[-1] == "P8105=P8103"  # this line is the guard's heartbeat
         for line in plc[:-1]:
             name, _, expression = line.partition("=")
             variables[name] = eval(expression, {}, variables)
@@ -86,8 +88,10 @@ def test_counts_and_joints_are_inverse(robot):
 
 
 def test_an_abort_stops_the_joints_as_fast_as_they_bear_and_no_faster(robot):
-    """Ixx15 [counts/ms^2]: whatever the signs, no joint is decelerated beyond its stop acceleration, and in
-    each coupling one joint may use all of it. The controller's default takes 6 s for joint 1."""
+    """The abort decelerations Ixx15 [counts/ms^2] decelerate no joint beyond its stop acceleration, whatever
+    the directions of the motors, and at least one joint reaches it. The controller's default would take 6 s
+    to stop joint 1.
+    """
     found = values(settings_text(robot))
     rate = np.array([found[f"I{motor}15"] for motor in robot.controller.motors]) * 1e6
     worst = np.abs(np.linalg.inv(counts_per_joint(robot))) @ rate
@@ -102,25 +106,28 @@ def test_the_abort_of_motor_1_is_that_of_its_joint(industrial6):
 
 
 def test_the_software_limits_are_the_first_counts_beyond_the_joint_limits(industrial6):
-    """The controller aborts a move whose target is beyond: a joint may go to its limit."""
+    """The controller aborts a move to a target beyond a software limit, so that the software limits lie
+    outside the joint limits.
+    """
     found = values(settings_text(industrial6))
-    assert found["I113"] == 4340581  # 170 deg are 4340580.726
+    assert found["I113"] == 4340581  # 170 deg are 4340580.726 counts
     assert found["I114"] == -4340581
-    assert found["I214"] == -2053431  # 80 deg are 2053430 to the count, and are computed with rounding
-    # motor 3 follows J2 + J3
+    # 80 deg are exactly 2053430 counts: a limit there could be exceeded by rounding
+    assert found["I214"] == -2053431
+    # motor 3 moves with J2 + J3
     assert found["I313"] == math.ceil((90 + 80) * 29308.7083) == 4982481
     assert found["I314"] == math.floor((-80 - 170) * 29308.7083) == -7327178
 
 
 def test_a_motion_to_a_joint_limit_is_not_stopped():
-    """360 deg of J6 are 3997635.012 counts."""
+    """J6 moves to its limit: 360 deg are 3997635.012 counts, not an integer."""
     job, _ = prepared("P0010 MOVEJ 0 0 0 0 0 360 [10] (deg,s)\n")
     world = world_of(job)
     assert world.perform(perform(world.operation, job)).well
 
 
 def test_zero_as_a_limit_is_a_count_outside(industrial6):
-    """0 switches a software limit off; 1 instead for the positive one, -1 for the negative one (TSRM 96)."""
+    """A limit of 0 would switch the software limit off, so that it is 1 or -1 count instead (TSRM 96)."""
     limits = industrial6.limits
     lower, upper = limits.lower.copy(), limits.upper.copy()
     lower[0], upper[3] = 0.0, 0.0
@@ -146,13 +153,13 @@ def test_rapid_is_no_faster_than_a_motor(industrial6):
     ],
 )
 def test_a_title_stays_a_comment(industrial6, title, shown):
-    """Behind a line end it would be a command."""
+    """A line end in a title is replaced, because the text after it would be a command."""
     text = settings_text(replace(industrial6, title=title))
     assert text == settings_text(industrial6).replace(industrial6.title, shown)
 
 
 def test_numbers_have_no_exponent_and_enough_digits(industrial6):
-    """Small gears and rates, large offsets, weak couplings."""
+    """Small gears and rates, large offsets and weak couplings are written without exponents."""
     coupling = np.eye(6)
     coupling[1, 2] = 2e-5
     gear = np.array([3e-6, 7.00000000004, 1e6 / 3, -0.02, 5e4, 2.0])
@@ -172,7 +179,9 @@ def test_numbers_have_no_exponent_and_enough_digits(industrial6):
 
 
 def test_the_hold_takes_the_hold_time(robot):
-    """Isx95 in units of I10 a servo interrupt: from 100 % to 0 in the hold time (TSRM 177)."""
+    """Isx95, in units of I10 per servo interrupt, reduces the override from 100 % to 0 within the hold time
+    (TSRM 177).
+    """
     found = values(settings_text(robot))
     system = robot.controller.coordinate_system
     slew = found[f"I{5000 + 100 * system + 95}"]
@@ -194,7 +203,7 @@ def test_the_guard_holds_when_the_rotary_is_low_and_a_program_is_armed(industria
 
 
 def test_every_line_is_one_that_a_controller_takes(robot):
-    """ASCII, short, comments behind semicolons."""
+    """Each line is ASCII and short, and its comment comes after a semicolon."""
     for line in settings_text(robot).splitlines():
         assert line.isascii()
         assert len(line.partition(";")[0].rstrip()) <= 120

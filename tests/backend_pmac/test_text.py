@@ -1,4 +1,4 @@
-"""The emitted text: what it must never hold, the guard of the rotary, segment times, decimals."""
+"""Tests of the emitted text: forbidden content, the guard of the rotary buffer, segment times, decimals."""
 
 import re
 
@@ -50,8 +50,8 @@ def test_the_map_leads_to_the_lines_of_each_command():
 
 
 def test_neighbours_with_one_segment_time_are_one_sequence():
-    """6 s and 2 s at 50 ms: the stop between is the end point three times; 1.7 s too; [MIN] has another
-    TM.
+    """The motions of 6, 2 and 1.7 s have one TM and form one sequence: the robot rests between them because
+    the end point of each motion stands three times in the text. The motion with [MIN] has another TM.
     """
     made, _ = compiled(PROGRAM)
     text = made.text.split("SPLINE1\n")[1]
@@ -98,7 +98,8 @@ def test_segment_times_are_printed_exactly(steps):
 @pytest.mark.parametrize(("segment", "decimals"), [(0.05, 6), (0.005, 7), (0.002, 8)])
 def test_the_decimals_fit_the_segment_time(industrial6, segment, decimals):
     assert decimals_for(industrial6, segment, industrial6.tolerance) == decimals
-    # the rule itself: a quarter of a count, 0.1 % of the acceleration, 1 % of the jerk limit
+    # the rounding error is at most a quarter of a count, 0.1 % of the acceleration limit and 1 % of the jerk
+    # limit
     counts = np.abs(counts_per_joint(industrial6) * industrial6.axis_units).sum(axis=1).max()
     assert 0.5 * 10**-decimals * counts <= 0.25
     assert 2 * 10**-decimals / segment**2 <= 1e-3 * 240
@@ -122,7 +123,7 @@ def test_the_program_buffer_looks_at_every_motor_before_each_start():
     loop = lines[lines.index("WHILE(P8101=1)") : lines.index("ENDWHILE")]
     assert sum(line.startswith("IF(ABS(M") for line in loop) == 6
     assert loop[-3:] == ["IF(P8101=1)", "STOP", "ENDIF"]
-    # 1 deg is 25,532.8278 counts of motor 1; motor 3 stands at J2 + J3
+    # 1 deg of motor 1 is 25,532.8278 counts; the position of motor 3 is J2 + J3
     assert f"IF(ABS(M161-{round(25532.8278 * 3072)})>" in made.text
     assert f"IF(ABS(M361-{round(29308.7083 * 3072)})>" in made.text
 
@@ -164,7 +165,7 @@ END
 def test_an_output_that_is_set_at_rest_only_is_told_at_its_line(variable):
     made, found = compiled(FLOWING.format(variable=variable, blend=" BLEND 2"))
     assert made is None
-    # behind the last round the robot rests
+    # P0040 of the last pass has no finding, because the robot rests there
     assert [(one.code, one.span.line, one.place) for one in found if one.is_error] == [
         ("Y1105", 5, "P0020(#0)"),
         ("Y1105", 7, "P0040(#0)"),
@@ -185,7 +186,7 @@ def test_an_output_is_set_in_motion_only_where_the_motions_really_flow():
 def test_a_variable_that_is_taken_names_those_that_are_free():
     found = signal_variable("P1", ("P1", "P2"))
     assert found.is_taken
-    assert found.remedy == "free are P0, P3 to P8099"
-    assert signal_variable("M8116", ()).remedy == "free are M0 to M159, M170 to M259, M270 to M359 and more"
+    assert found.remedy == "P0, P3 to P8099 are free"
+    assert signal_variable("M8116", ()).remedy == "M0 to M159, M170 to M259, M270 to M359 and more are free"
     for text in ("P0", "P3", "P8099", "M159", "M170", "M259"):
         assert signal_variable(text, ("P1", "P2")).name == text

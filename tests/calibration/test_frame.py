@@ -1,4 +1,4 @@
-"""Frames from points, against frames that are known."""
+"""Tests of frames from touched points, compared with known frames."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Offsets of motors from joints at their marks, for an arm whose motor 3 follows two joints."""
+"""Tests of motor offsets from joints at their marks, for an arm whose motor 3 moves with two joints."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""How errors of touches grow, against the errors of results whose touches are moved a little."""
+"""Tests of the errors of calibrations that errors of touches cause, compared with finite differences."""
 
 import numpy as np
 import pytest
@@ -23,7 +23,9 @@ def poses(rotations, tip=(0.02, 0.13, 0.21)):
 
 
 def moved(solve, places):
-    """Return d result / d place (m, 3 k) by moving each place by a little to both sides."""
+    """Return the derivatives of the result with respect to all coordinates of the places (m, 3 k), by central
+    differences.
+    """
     columns = []
     for index in np.ndindex(places.shape):
         ends = []
@@ -77,7 +79,7 @@ def test_the_frame_errs_as_its_points_say(tally, count, seed):
     slope = moved(turned, points)
     spread = frame_spread(points, error=1.0)
     np.testing.assert_allclose(spread.turns, np.linalg.norm(slope, axis=1), rtol=1e-4)
-    # an upper bound of the error anywhere, whatever belongs to what
+    # `spread.at` bounds the error at any place, however errors of origin and orientation are correlated
     for way in Rotation.random(5, random_state=seed).as_matrix()[:, 0]:
         place = points[0] + 0.5 * way
         parts = np.hstack((np.eye(3), np.zeros((3, 3 * len(points) - 3))))

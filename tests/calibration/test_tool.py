@@ -1,4 +1,4 @@
-"""The tip of a tool from touches of one point, against tips that are known."""
+"""Tests of a tool's tip from touches of one point, compared with known tips."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ TIP, POINT = np.array([0.02, 0.13, 0.21]), np.array([0.9, 0.2, 0.5])
 
 
 def touching(rotations, tip=TIP, point=POINT):
-    """The flange's poses (k, 4, 4) in which the tip is at the point."""
+    """Return the flange poses (k, 4, 4) in which the tip touches the point."""
     poses = np.tile(np.eye(4), (len(rotations), 1, 1))
     poses[:, :3, :3] = rotations.as_matrix()
     poses[:, :3, 3] = point - rotations.apply(tip)
@@ -22,7 +22,7 @@ def touching(rotations, tip=TIP, point=POINT):
 
 
 def tilts(degrees, count):
-    """Orientations that lean by so much to `count` sides."""
+    """Return `count` orientations tilted by `degrees`, in directions all around."""
     ways = np.linspace(0, 2 * np.pi, count, endpoint=False)
     return Rotation.from_rotvec(
         np.radians(degrees) * np.stack((np.cos(ways), np.sin(ways), 0 * ways), axis=1)
@@ -40,7 +40,7 @@ def test_the_tip_is_found_wherever_it_is(tally, count, seed, tip, point):
     poses = touching(Rotation.random(count, random_state=seed), np.array(tip), np.array(point))
     found = find_tip(poses)
     tally.count("found", found.value is not None)
-    if found.value is None:  # orientations by chance can be alike
+    if found.value is None:  # random orientations may be too similar
         assert found.diagnostics[0].code == "Y1902"
         return
     np.testing.assert_allclose(found.value.flange_from_tip, tip, atol=1e-9)
@@ -73,10 +73,10 @@ def test_95_of_100_tips_are_within_their_uncertainty(count):
         spread = tip_spread(off[:, :3, :3], found.error)
         miss = found.flange_from_tip - TIP
         inside += np.sum((spread.directions @ miss / spread.axes) ** 2) <= 1.0
-        # the box along the axes of the flange holds the ellipsoid
+        # the box along the flange's axes contains the ellipsoid of directions and axes
         np.testing.assert_allclose(found.uncertainty**2, spread.axes**2 @ spread.directions**2, rtol=1e-9)
         apart.append(np.linalg.norm(miss))
-    # three standard deviations of so many trials
+    # the share may differ from 0.95 by three standard deviations for this number of trials
     assert abs(inside / trials - 0.95) <= 3.0 * np.sqrt(0.95 * 0.05 / trials)
     assert max(apart) > 1e-4
 
@@ -93,7 +93,7 @@ def test_too_few(count):
     found = find_tip(touching(tilts(30, 4))[:count])
     assert found.value is None
     assert found.diagnostics[0].code == "Y1901"
-    assert f"{count} of at least 4" in found.diagnostics[0].message
+    assert f"{count} touches of the point, but at least 4 are needed" in found.diagnostics[0].message
 
 
 def test_the_same_pose_again_tells_nothing():

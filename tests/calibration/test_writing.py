@@ -1,4 +1,4 @@
-"""Calibrated values as text that is read back."""
+"""Tests of writing calibrated values as text, which is read back."""
 
 import shutil
 

@@ -1,5 +1,5 @@
-"""`yarc campaign`: the same report wherever it runs and however often it is killed; what is wrong is
-found.
+"""Tests of `yarc campaign`: its report is the same on any number of processes and after any number of kills,
+and it finds faults.
 """
 
 import json
@@ -57,7 +57,7 @@ def test_a_campaign_that_is_killed_again_and_again_reports_as_one_that_is_not(tm
         )  # fmt: skip
         before = state.read_bytes().count(b"\n") if state.exists() else 0
         until = time.monotonic() + 120.0
-        # killed soon after a chunk was kept, or in the middle of the first one
+        # kill it soon after it has stored a chunk, the first time during the first chunk
         while process.poll() is None and time.monotonic() < until:
             if number and state.exists() and state.read_bytes().count(b"\n") > max(1, before):
                 break
@@ -72,7 +72,8 @@ def test_a_campaign_that_is_killed_again_and_again_reports_as_one_that_is_not(tm
         kills += 1
     assert kills >= 3
     assert report("--programs", 36, "--state", state, "-j", 1) == report("--programs", 36, "-j", 2)
-    assert report("--programs", 36, "--state", state)["programs"] == 36  # nothing is left to do
+    # all programs are in the state: none is left to do
+    assert report("--programs", 36, "--state", state)["programs"] == 36
 
 
 def test_a_larger_number_goes_on(tmp_path):
@@ -84,7 +85,7 @@ def test_a_larger_number_goes_on(tmp_path):
 
 
 def ending(chunk, task):
-    """End the process that does the program of seed 13."""
+    """End the process that gets the chunk with program 13."""
     first, count = chunk
     if first <= 13 < first + count:
         os.kill(os.getpid(), signal.SIGKILL)
@@ -186,7 +187,7 @@ def test_what_is_wrong_with_the_compiler_is_found(monkeypatch, how):
     assert made.exit_code == 1, made.output
     assert "with something wrong" in made.output
     assert "--again" in made.output
-    assert "nothing wrong" not in made.output
+    assert "no faults were found" not in made.output
 
 
 def test_one_program_again():
@@ -197,7 +198,7 @@ def test_one_program_again():
     assert (data["text"], data["worst"], data["robot"]) == (one.text, one.worst, "TRACKED_MANIPULATOR")
     text = CliRunner().invoke(main, ["campaign", "--again", "1"]).stdout
     assert one.text.strip() in text
-    # a program as it is printed is one that yarc check reads
+    # `yarc check` can read the printed program
     assert not parse(SourceFile("a.yarc", text)).diagnostics
 
 
@@ -258,4 +259,4 @@ def test_what_cannot_be_done_is_said(arguments, status, words):
 def test_the_text_says_what_was_done():
     text = "\n".join(as_text(summed([judged_chunk((0, 4), TASK)], 0), TASK))
     assert "4 programs of seeds 0 to 3, for INDUSTRIAL6, TRACKED_MANIPULATOR" in text
-    assert "nothing wrong was found" in text
+    assert "no faults were found" in text

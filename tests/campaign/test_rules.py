@@ -1,5 +1,5 @@
-"""Programs with KEEP and _AVOID, drawn by chance: most compile, the independent judge finds no fault in
-them, and finds those that are put in.
+"""Tests of random programs with KEEP and _AVOID: most compile, the independent judge finds no fault in them,
+and finds faults that a test puts in.
 """
 
 import re
@@ -94,7 +94,7 @@ def test_legs_that_lead_elsewhere_are_found():
     chosen = {motion.step: motion.waypoints for motion in value.plan.motions}
     said, _ = unfolded(ARM, program.said, value.text, chosen)
     assert len(said) == len(value.plan.motions)
-    # the last of the legs has the goal that is written in the program
+    # change the written goal, which the last leg of a detour must reach
     steps = re.findall(r"^; command (\d+) (\S+) MOVEL_AVOID ", value.text, re.MULTILINE)
     first, index = next(one for one, other in pairwise(steps) if one[1] == other[1])
     number = sorted(program.said)[int(index[1:]) // 10 - 1]
@@ -102,7 +102,7 @@ def test_legs_that_lead_elsewhere_are_found():
     program.said[number].goals[0] = np.add(point, (0.0, 0.0, 0.1)), turn
     assert judged(program, value, found).faults
     program.said[number].goals[0] = point, turn
-    # a corner that isn't where the leg leads
+    # claim waypoints that the legs don't reach
     step = int(first)
     moved = {**chosen, step: chosen[step] + 1e-3}
     faults = judge(ARM, program.said, value.text, moved, told_by_step(found)).faults

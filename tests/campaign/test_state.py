@@ -1,4 +1,4 @@
-"""The state of a campaign: whole after any end, and never taken for another one's."""
+"""Tests of a campaign's state file: it is intact after any interruption, and used by no other campaign."""
 
 import json
 import os
@@ -65,7 +65,7 @@ def test_a_line_that_is_changed_removed_or_moved_is_an_error(file):
     for content in forged:
         assert content != lines
         file.write_bytes(b"".join(content))
-        with pytest.raises(StateError, match="isn't as a campaign wrote it"):
+        with pytest.raises(StateError, match="was changed or damaged"):
             State(file, WHAT)
         assert file.read_bytes() == b"".join(content)
 
@@ -118,7 +118,7 @@ def test_a_full_disk_is_said_and_keeps_what_was_kept(tmp_path):
         [sys.executable, "-c", FULL, str(tmp_path / "s")], capture_output=True, text=True, check=True
     )
     number, _, words = made.stdout.partition(" ")
-    assert f"the {int(number):,} programs before are kept" in words
+    assert f"the results of the {int(number):,} programs before are saved" in words
     with State(tmp_path / "s", {"seed": 0}) as state:
         assert [one.first for one in state.pieces] == list(range(int(number)))
 
@@ -140,7 +140,7 @@ def test_what_is_missing_and_what_is_there_are_everything_once(sizes, random, co
 
 
 def test_a_program_that_is_there_twice_is_an_error():
-    with pytest.raises(StateError, match="seed 5 is there twice"):
+    with pytest.raises(StateError, match="seed 5 is recorded twice"):
         missing([Piece(0, 10), Piece(5, 10)], 0, 100, 10)
 
 

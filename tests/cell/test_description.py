@@ -1,4 +1,6 @@
-"""A cell.toml becomes a cell in SI, or findings at its lines; no bytes give a traceback."""
+"""Tests of reading a cell.toml: it becomes a cell in SI units, or findings at its lines, and no bytes cause a
+traceback.
+"""
 
 import re
 import shutil
@@ -148,7 +150,7 @@ def test_a_zone_that_could_be_crossed_unseen_is_refused(rule, shape, is_fine):
     head = 'units = "mm,deg,s"\n[frames]\nA = { parent = "B", xyz = [0, 0, 1] }\n'
     result = read(f'{head}[[zones]]\nname = "Z"\nrule = "{rule}"\n{shape}')
     found = [code for code in codes(result.diagnostics) if code == "Y1376"]
-    # what is too thin to stay in can't be kept to: no proof is needed
+    # an allowed zone that is too thin needs no proof, because nothing fits inside
     assert found == ([] if is_fine or rule == "allowed" else ["Y1376"])
 
 
@@ -159,7 +161,9 @@ poses = st.lists(numbers, min_size=6, max_size=6)
 @given(st.lists(st.tuples(poses, st.booleans()), min_size=1, max_size=5), st.randoms())
 @settings(max_examples=30)
 def test_frames_in_any_order_are_those_of_frame_lines(chain, random):
-    """A chain of frames in a cell sits where the same FRAME lines put it, whatever the order of the file."""
+    """A chain of frames in a cell has the same poses as FRAME lines with these values, in any order of the
+    file.
+    """
     lines, tables, parent = [], [], "B"
     for at, (pose, _) in enumerate(chain):
         lines.append(f"FRAME {{F{at}}} {' '.join(map(str, pose))} (mm,deg) {{{parent}}}")
@@ -248,7 +252,7 @@ def test_examples_of_findings(finding):
 
 
 def check_any(result):
-    """What must hold of every finding."""
+    """Check the properties that every finding must have."""
     for finding in result.diagnostics:
         assert finding.message.endswith(".")
         assert finding.help

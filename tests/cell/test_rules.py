@@ -1,4 +1,4 @@
-"""[[keep]] in a cell.toml: rules to which all motions keep."""
+"""Tests of [[keep]] in a cell.toml, which gives rules for all motions."""
 
 from dataclasses import replace
 
@@ -109,7 +109,7 @@ def test_the_same_rule_in_the_program_counts_once(tmp_path):
         ('frame = "TCP"\nrule = "seen"\nangle = 9\nrange = [5]', "Y1309", "2 values"),
         ('frame = "TCP"\nrule = "seen"\nangle = 9\nrange = [0, 5]', "Y1308", "from 0 to 5 mm"),
         ('frame = "TCP"\nrule = "seen"\nangle = 9\nrange = [9, 5]', "Y1308", "from 9 to 5 mm"),
-        ('frame = "CAMERA"\nrule = "upright"\nangle = 9', "Y1371", "stands still"),
+        ('frame = "CAMERA"\nrule = "upright"\nangle = 9', "Y1371", "doesn't move with the robot"),
         ('frame = "TCP"\nof = "CUP"\nrule = "upright"\nangle = 9', "Y1371", "the robot carries"),
         ('frame = "CAP"\nrule = "upright"\nangle = 9', "Y1329", "CAP"),
         ('frame = "TCP"\nof = "TCP"\nrule = "upright"\nangle = 9', "Y1329", "TCP"),

@@ -1,5 +1,5 @@
-"""Start zones of a cell: joint windows of all joints, in the cell's units; what isn't one is said at its
-line.
+"""Tests of start zones of a cell, which are joint windows of all joints in the cell's units. Mistakes are
+reported at their lines.
 """
 
 import numpy as np
@@ -45,19 +45,19 @@ def test_two_zones_and_no_cell():
 @pytest.mark.parametrize(
     ("text", "code", "said"),
     [
-        (starts(ALL.rpartition(", J6")[0]), "Y1308", "leaves J6 open"),
-        (starts("J1 = [-1, 1]"), "Y1308", "leaves J2, J3, J4, J5, J6 open"),
-        (starts(ALL.replace("[-10, 10]", "[10, -10]")), "Y1316", "isn't below its end"),
+        (starts(ALL.rpartition(", J6")[0]), "Y1308", "doesn't limit J6"),
+        (starts("J1 = [-1, 1]"), "Y1308", "doesn't limit J2, J3, J4, J5, J6"),
+        (starts(ALL.replace("[-10, 10]", "[10, -10]")), "Y1316", "must be below its end"),
         (starts(ALL.replace("[-10, 10]", "[-10, 10, 3]")), "Y1309", "must have 2 values, but has 3"),
         (starts(ALL.replace("J6", "J7")), "Y1372", "has no joint J7"),
         (starts(name='"2 many"'), "Y1310", "which a program can't write"),
-        (starts() + starts().split("\n", 1)[1], "Y1311", "HOME is there already"),
+        (starts() + starts().split("\n", 1)[1], "Y1311", "HOME is already used for"),
         ('[[starts]]\nname = "HOME"\njoints = { J1 = [-1, 1] }\n', "Y0304", "unit"),
         ('units = "mm,deg"\n[[starts]]\njoints = { J1 = [-1, 1] }\n', "Y1304", "name"),
         ('units = "mm,deg"\n[[starts]]\nname = "HOME"\n', "Y1304", "joints"),
         ('units = "mm,deg"\n[[starts]]\nname = "HOME"\njoints = 3\n', "Y1306", "joints"),
         ('units = "mm,deg"\nstarts = 3\n', "Y1306", "[[starts]]"),
-        (starts() + 'rule = "allowed"\n', "Y1305", "has no key rule"),
+        (starts() + 'rule = "allowed"\n', "Y1305", "doesn't know the key rule"),
     ],
 )
 def test_what_is_no_start_zone_is_said(text, code, said):

@@ -1,6 +1,6 @@
-"""What the tests of certify/ share: robots as data, a small planner and emitter of their own, dense sampling.
+"""Shared by the tests of certify/: robots as data, a small planner and emitter of the tests, dense sampling.
 
-Nothing here comes from motion/ or backend_pmac/: the judge is tried on texts of another hand.
+Nothing here uses motion/ or backend_pmac/, so the judge is tested with texts that the planner hasn't written.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ FLANGE_FROM_TCP = np.array([[1.0, 0, 0, 0], [0, 1, 0, 0.1], [0, 0, 1, 0], [0, 0,
 
 @cache
 def industrial6(**changes) -> Robot:
-    """The six-axis arm of the conformance suite."""
+    """Return the six-axis arm of the conformance suite."""
     origins = [(0, 0, 0.23), (0, 0.2, 0.449), (0, 0, 0.89), (0, 0.4369, 0.195), (0, 0.1995, 0), (0, 0.238, 0)]
     axes = [(0, 0, 1), (1, 0, 0), (1, 0, 0), (0, -1, 0), (1, 0, 0), (0, -1, 0)]
     points = np.cumsum(np.array(origins), axis=0)
@@ -52,7 +52,7 @@ def industrial6(**changes) -> Robot:
 
 @cache
 def railed() -> Robot:
-    """A rail, two turning joints, a slide in the middle and a wrist joint."""
+    """Return an arm with a rail, two turning joints, a sliding joint in the middle and a wrist joint."""
     z, x = np.array([0.0, 0, 1]), np.array([1.0, 0, 0])
     screws = [
         np.r_[x, 0, 0, 0],
@@ -121,7 +121,9 @@ def _robot(name, chain, limits, actuation, axes, kinds, **changes) -> Robot:
 
 
 def grid_law(n: int, ramp: int = 2) -> np.ndarray:
-    """Control values of s (n + 3,) of LSPB with ramps on a grid of n segments: 0, 0, 0 ... 1, 1, 1."""
+    """Return the control values of s (n + 3,) for an LSPB law with ramps, on a grid of n segments: 0, 0, 0
+    ... 1, 1, 1.
+    """
     b = max(round(n / 3), 2 * ramp)
     k = np.arange(n + 1)
     up = np.clip(np.minimum(k, b - k) / ramp, 0, 1)
@@ -131,29 +133,31 @@ def grid_law(n: int, ramp: int = 2) -> np.ndarray:
 
 
 def knots(control: np.ndarray) -> np.ndarray:
-    """Executed values at the knots."""
+    """Return the executed values at the knots."""
     return (control[:-2] + 4 * control[1:-1] + control[2:]) / 6
 
 
 def inverted(values: np.ndarray) -> np.ndarray:
-    """Move lines (n - 2, m) so that the knots 2 to n - 2 are at values (n + 1, m)[2:-2]."""
+    """Return the move lines (n - 2, m) of a motion in n segments whose values at the knots are `values`
+    (n + 1, m). Only the knots 2 to n - 2 can be chosen.
+    """
     start, end, wanted = values[0], values[-1], values[2:-2]
     size = len(wanted)
     matrix = 4 * np.eye(size) + np.eye(size, k=1) + np.eye(size, k=-1)
     right = 6 * wanted
     right[0] -= start
     right[-1] -= end
-    # c_1 = start is knot 1's neighbour; the last point is the end
+    # The control point before the first unknown one is the start, and the last control point is the end.
     return np.vstack([start, np.linalg.solve(matrix, right), end])[1:]
 
 
 def joint_points(start, goal, n, ramp=2):
-    """Move lines (n - 2, axes) of a straight joint motion in n segments."""
+    """Return the move lines (n - 2, axes) of a straight joint motion in n segments."""
     return start + grid_law(n, ramp)[3:-2, None] * (np.asarray(goal) - start)
 
 
 def curve_points(curve, n, ramp=2):
-    """Move lines of a motion along curve(s) -> (k, axes) in n segments."""
+    """Return the move lines of a motion along curve(s) -> (k, axes) in n segments."""
     s = knots(grid_law(n, ramp))
     return inverted(curve(s))
 
@@ -165,7 +169,9 @@ def rotation(axis, angle) -> np.ndarray:
 
 
 def line_pose(start, way, axis, angle, s) -> np.ndarray:
-    """Poses (k, 4, 4) on a line from `start` by `way`, turning about `axis` by `angle`."""
+    """Return poses (k, 4, 4) on a line: at shares `s`, shifted from `start` by the vector `way` and rotated
+    by `angle` about `axis`.
+    """
     poses = np.tile(np.eye(4), (len(s), 1, 1))
     poses[:, :3, 3] = start[:3, 3] + np.outer(s, way)
     poses[:, :3, :3] = [rotation(axis, x * angle) @ start[:3, :3] for x in s]
@@ -173,7 +179,9 @@ def line_pose(start, way, axis, angle, s) -> np.ndarray:
 
 
 def inverse(robot, poses, q, tool=FLANGE_FROM_TCP) -> np.ndarray:
-    """Joint positions (k, n) of poses (k, 4, 4) by Newton's method, one from the other, from `q` on."""
+    """Return joint positions (k, n) of poses (k, 4, 4), by Newton's method from one pose to the next,
+    beginning at `q`.
+    """
     answer = []
     for pose in poses:
         for _ in range(30):
@@ -190,7 +198,7 @@ def inverse(robot, poses, q, tool=FLANGE_FROM_TCP) -> np.ndarray:
 
 
 def arm_line(robot, start_q, way, axis, angle, tool=FLANGE_FROM_TCP):
-    """The curve q(s) of a Cartesian line from `start_q`, and its goal pose."""
+    """Return the curve q(s) of a Cartesian line from `start_q`, and its goal pose."""
     start = tool_poses(robot.chain, start_q[None], tool)[0]
 
     def curve(s):
@@ -208,10 +216,10 @@ def origin(step: int, name: str = "MOVE") -> hir.Origin:
 
 @dataclass
 class Job:
-    """One command: its primitive, and its move lines up to the end [rad, m] (None for a STOP) at TM [ms].
+    """A command: its primitive, and its move lines up to the end [rad, m] (None for a STOP) at TM [ms].
 
-    `blend` is what the map says of one that flows into the next, `any_jerk` that its jerk has no limit;
-    `puts` are lines that stand before its move line number `put_at`.
+    `blend` is the number in the map if the motion flows into the next one. `any_jerk` is True if the map says
+    that the jerk has no limit. `puts` are lines before move line number `put_at`.
     """
 
     motion: object
@@ -239,7 +247,7 @@ def number(x: float, decimals: int) -> str:
 
 
 def emit(robot, start, jobs, target="rotary", decimals=9) -> str:
-    """The text of a program, in the one form that the reader takes."""
+    """Return the text of a program, in the form that the reader accepts."""
     axes, units, controller = robot.controller.axes, robot.axis_units, robot.controller
 
     def move(q):
@@ -332,7 +340,9 @@ def emit(robot, start, jobs, target="rotary", decimals=9) -> str:
 
 
 def sample(start, points, h, per_segment=40):
-    """Executed positions and their derivatives of one command, densely: (k, n) each, at times (k,)."""
+    """Sample a command densely. Return the times (k,); positions, velocities and accelerations at these times
+    (k, n); and the jerk of each segment.
+    """
     f = np.vstack([np.tile(start, (3, 1)), points, np.tile(points[-1], (2, 1))])
     u = np.linspace(0, 1, per_segment + 1)[None, :, None]
     a, b, c, d = (f[i : len(f) - 3 + i, None, :] for i in range(4))
@@ -366,7 +376,7 @@ class Case:
 
 
 def natural(points) -> object:
-    """curve(share of the length) of the natural spline over chord length, by another library."""
+    """Return curve(share of the length) of the natural spline over chord length, by another library."""
     from scipy.interpolate import CubicSpline
 
     s = np.r_[0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))]
@@ -376,7 +386,9 @@ def natural(points) -> object:
 
 @cache
 def everything() -> Case:
-    """Every kind of motion and of goal, at three segment times; 1 and 2 share one sequence."""
+    """Return a program with all kinds of motions and goals, at three segment times. Motions 1 and 2 are in
+    one sequence.
+    """
     robot = industrial6()
     start = np.array([10, 20, -30, 40, 50, -60]) * DEG
     home = np.array([30, 0, -10, 20, 30, 0]) * DEG
@@ -394,7 +406,7 @@ def everything() -> Case:
         flange = tool_poses(robot.chain, here[None], np.eye(4))[0, :3, :3]
         goal = hir.PoseGoal(pose, FLANGE_FROM_TCP)
         if delta:
-            # the same way, told in axes that are fixed to the flange and turned by something
+            # The same motion, given in axes that are fixed to the flange and rotated.
             axes = rotation([1, 1, 0], 0.4)
             there = flange @ axes
             turn = there.T @ rotation(axis, angle) @ there

@@ -1,5 +1,5 @@
-"""Chains of motions that flow into each other, planned by the tests: laws overlap, and what is done of all
-of them is added.
+"""Chains of motions that flow into each other, planned by the tests. Where the laws of two motions overlap,
+the displacements of both are added.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ from yarclang.robot.kinematics.fk import tool_poses
 
 @dataclass
 class Leg:
-    """One motion: its primitive, and its path over s, of poses (k, 4, 4) or of joints (k, n), with a law
-    of n segments.
+    """A motion: its primitive, its path as a function of s, which gives poses (k, 4, 4) or joints (k, n), and
+    its law on a grid of segments.
     """
 
     motion: object
@@ -41,14 +41,16 @@ class Leg:
 
 @dataclass
 class Chain:
-    """What was made: the control points f (n + 3, axes), and of each leg where its segments begin and end."""
+    """A planned chain: its control points (n + 3, axes), for each leg its first segment and the one after its
+    last, and for each corner the number of segments in which the legs overlap.
+    """
 
     control: np.ndarray
     spans: list[tuple[int, int]]
     overlaps: list[int]
 
     def sample(self, robot, first, last, per_segment=40, tool=FLANGE_FROM_TCP):
-        """Joints and poses, densely, of the segments `first` to `last`, at 50 ms."""
+        """Sample the joints and poses of the segments `first` to `last` densely, without `last` itself."""
         f = self.control[first : last + 3]
         u = np.linspace(0, 1, per_segment + 1)[None, :, None]
         a, b, c, d = (f[i : len(f) - 3 + i, None, :] for i in range(4))
@@ -62,13 +64,13 @@ class Chain:
         return q, tool_poses(robot.chain, q, tool)
 
     def overlap(self, corner):
-        """The segments of a blend, from and up to."""
+        """Return the first segment of a blend, and the segment after its last one."""
         middle = self.spans[corner][1]
         return middle - self.overlaps[corner] // 2, middle + self.overlaps[corner] // 2
 
     def jobs(self, legs: Sequence[Leg], sets=()) -> list[Job]:
-        """Commands with their move lines; `sets` are (corner, step, line) of outputs set in the middle of
-        a blend.
+        """Return commands with their move lines. `sets` are (corner, step, line) of outputs that are set in
+        the middle of a blend.
         """
         lines = self.control[3:-2]
         made = []
@@ -85,7 +87,9 @@ class Chain:
 
 
 def shares(legs, overlaps):
-    """What is done of each leg at all knots of the chain (legs, n + 1), and the spans."""
+    """Return the share of each leg that is completed at each knot of the chain (legs, n + 1), and the legs'
+    spans.
+    """
     begins = np.cumsum([0, *(leg.segments - w for leg, w in zip(legs[:-1], overlaps, strict=True))])
     total = begins[-1] + legs[-1].segments
     done = np.zeros((len(legs), total + 1))
@@ -101,7 +105,7 @@ def shares(legs, overlaps):
 
 
 def in_joints(legs, overlaps, start) -> Chain:
-    """Paths q(s) (k, n) of joints, added."""
+    """Return the chain of joint paths q(s) (k, n), whose displacements are added."""
     done, spans = shares(legs, overlaps)
     q = start + sum(leg.path(s) - leg.path(np.zeros(1)) for leg, s in zip(legs, done, strict=True))
     lines = inverted(q)
@@ -111,8 +115,8 @@ def in_joints(legs, overlaps, start) -> Chain:
 
 
 def of_poses(legs, overlaps, start) -> Chain:
-    """Paths of poses of {TCP}, added: the way of each from the corner where it begins, and its turn before
-    those that came.
+    """Return the chain of paths of poses of {TCP}. The displacements of the legs are added, and their
+    rotations multiplied, each from the corner where the leg begins.
     """
     done, spans = shares(legs, overlaps)
     first = legs[0].path(np.zeros(1))[0]
@@ -130,7 +134,9 @@ def of_poses(legs, overlaps, start) -> Chain:
 
 
 def exact_joints(legs, overlaps, start, ways) -> Chain:
-    """Straight lines in joint space by `ways` (legs, n): control points added, exactly."""
+    """Return the chain of straight joint motions, each by a row of `ways` (legs, n). The control points are
+    added exactly.
+    """
     _, spans = shares(legs, overlaps)
     total = spans[-1][1]
     control = np.tile(start, (total + 3, 1))

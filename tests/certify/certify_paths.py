@@ -1,5 +1,5 @@
-"""Paths of the moving frame by other means than the judge's: circles from perpendicular bisectors, scipy's
-rotations and splines.
+"""Paths of the moving frame, computed in other ways than by the judge: circles from perpendicular bisectors,
+and scipy's rotations and splines.
 """
 
 from __future__ import annotations
@@ -15,22 +15,22 @@ from yarclang.robot.kinematics.fk import tool_poses
 
 
 def pose(xyz, rotation) -> np.ndarray:
-    """A (4, 4) transform."""
+    """Return a transform (4, 4)."""
     made = np.eye(4)
     made[:3, 3], made[:3, :3] = xyz, rotation
     return made
 
 
 def moved(start, way, rotvec) -> np.ndarray:
-    """A pose shifted by `way` and turned by `rotvec` in the base's axes."""
+    """Return a pose shifted by `way` and rotated by `rotvec`, both in the base's axes."""
     return pose(start[:3, 3] + way, Rotation.from_rotvec(rotvec).as_matrix() @ start[:3, :3])
 
 
 def arc_poses(start, via, goal, s) -> np.ndarray:
-    """Poses (k, 4, 4) on the circle through start, via and goal, at shares `s` of the arc."""
+    """Return poses (k, 4, 4) on the circle through start, via and goal, at shares `s` of the arc."""
     a, b, c = start[:3, 3], np.asarray(via, float), goal[:3, 3]
     normal = np.cross(b - a, c - b)
-    # the centre lies in the plane of the points, and in the planes half way between two of them
+    # The center is in the plane of the points, and in the bisecting planes of two pairs of them.
     rows = np.array([b - a, c - b, normal])
     centre = np.linalg.solve(rows, [(b - a) @ (a + b) / 2, (c - b) @ (b + c) / 2, normal @ a])
     x = a - centre
@@ -42,20 +42,20 @@ def arc_poses(start, via, goal, s) -> np.ndarray:
 
 
 def turn(start, goal, s) -> np.ndarray:
-    """Rotations (k, 3, 3) from one pose's to the other's about one axis."""
+    """Return rotations (k, 3, 3) from one pose's to the other's, about one axis."""
     vector = Rotation.from_matrix(goal[:3, :3] @ start[:3, :3].T).as_rotvec()
     return Rotation.from_rotvec(np.outer(s, vector)).as_matrix() @ start[:3, :3]
 
 
 def joined(points, rotations) -> np.ndarray:
-    """Poses (k, 4, 4)."""
+    """Return poses (k, 4, 4) of points and rotations."""
     poses = np.tile(np.eye(4), (len(points), 1, 1))
     poses[:, :3, 3], poses[:, :3, :3] = points, rotations
     return poses
 
 
 def chord(poses) -> np.ndarray:
-    """The parameter u at the way-points: 0.1 m of it for a radian."""
+    """Return the parameter u at the waypoints: the distance, where 1 rad counts as 0.1 m."""
     far = np.linalg.norm(np.diff([p[:3, 3] for p in poses], axis=0), axis=1)
     angles = [
         (Rotation.from_matrix(b[:3, :3]) * Rotation.from_matrix(a[:3, :3]).inv()).magnitude()
@@ -65,8 +65,8 @@ def chord(poses) -> np.ndarray:
 
 
 def spline_poses(poses, s, bc_type="natural") -> np.ndarray:
-    """Poses (k, 4, 4) on the natural splines of position and quaternion through way-points, at shares `s`
-    of u.
+    """Return poses (k, 4, 4) on the natural splines of position and quaternion through waypoints, at shares
+    `s` of u.
     """
     u = chord(poses)
     q = np.array([Rotation.from_matrix(p[:3, :3]).as_quat() for p in poses])
@@ -78,20 +78,20 @@ def spline_poses(poses, s, bc_type="natural") -> np.ndarray:
 
 
 def arm_curve(robot, start_q, poses_of, tool=FLANGE_FROM_TCP):
-    """The curve q(s) of a path of poses."""
+    """Return the curve q(s) of a path of poses."""
     return lambda s: inverse(robot, poses_of(np.asarray(s)), start_q, tool)
 
 
 def off_path(robot, start, points, h, poses_of, tool=FLANGE_FROM_TCP, per_segment=8):
-    """By dense sampling: the largest distance [m] from the nearest place of the path, and, at the places
-    nearest in position and turn together, the largest distance and angle [rad].
+    """Sample a motion densely. Return the largest distance [m] from the nearest point of the path; and the
+    largest distance and angle [rad] from the path's pose that is nearest in position and rotation together.
     """
     _, q, *_ = sample(start, points, h, per_segment)
     return off_path_at(tool_poses(robot.chain, q, tool), poses_of)
 
 
 def off_path_at(poses, poses_of):
-    """The same of executed poses (k, 4, 4)."""
+    """Do the same as `off_path` for executed poses (k, 4, 4)."""
     grid = np.linspace(0, 1, 601)
     table = poses_of(grid)
     weight = 0.02e-3 / np.radians(0.002)

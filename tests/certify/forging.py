@@ -1,5 +1,5 @@
-"""Changes of controller texts as a careful forger makes them: the map's line numbers are moved along, the
-seal is made anew.
+"""Changes of controller texts like those of a careful forger, who updates the map's line numbers and renews
+the seal.
 """
 
 import hashlib
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Forger:
-    """A controller text that is changed, line by line."""
+    """A controller text that is changed line by line."""
 
     lines: tuple[str, ...]
 
@@ -20,13 +20,13 @@ class Forger:
 
     @property
     def text(self):
-        """The whole, with a seal that fits."""
+        """Return the whole text, with a valid seal."""
         plain = re.sub(r"(?m)^; sha256 .*$", "; sha256 -", "\n".join(self.lines) + "\n", count=1)
         seal = hashlib.sha256(plain.encode("utf-8", "surrogatepass")).hexdigest()
         return plain.replace("\n; sha256 -\n", f"\n; sha256 {seal}\n", 1)
 
     def find(self, form, number=0):
-        """The place of a line, by an expression that matches all of it."""
+        """Return the place of a line that an expression matches completely."""
         places = [k for k, line in enumerate(self.lines) if re.fullmatch(form, line)]
         assert places, f"no line is {form}"
         return places[number]
@@ -35,31 +35,31 @@ class Forger:
         return any(re.fullmatch(form, line) for line in self.lines)
 
     def put(self, place, *lines):
-        """Lines more in front of a place; the map is moved along."""
+        """Insert lines before a place, and update the map."""
         return self._moved(place, len(lines), (*self.lines[:place], *lines, *self.lines[place:]))
 
     def drop(self, place, count=1):
-        """Lines less; the map is moved along."""
+        """Delete lines, and update the map."""
         return self._moved(place, -count, (*self.lines[:place], *self.lines[place + count :]))
 
     def change(self, form, becomes, number=0):
-        """One line is another; `becomes` may name groups."""
+        """Replace one line. `becomes` may refer to groups."""
         place = self.find(form, number)
         line = re.sub(form, becomes, self.lines[place])
         assert line != self.lines[place]
         return Forger((*self.lines[:place], line, *self.lines[place + 1 :]))
 
     def all(self, form, becomes):
-        """Every such line is another."""
+        """Replace every line that matches `form`."""
         return Forger(tuple(re.sub(f"^(?:{form})$", becomes, line) for line in self.lines))
 
     def moves(self):
-        """The places of the move lines of motions, by their order."""
+        """Return the places of the motions' move lines, in order."""
         begin = self.find("SPLINE1") + 1
         return [k for k, line in enumerate(self.lines) if k >= begin and re.match(r"[XU]-?[0-9]", line)]
 
     def scaled(self, factor):
-        """All numbers of all move lines, the start among them, by a factor; also in the header."""
+        """Multiply all numbers of all move lines by a factor, including the start and the header."""
 
         def larger(found):
             return f"{found[1]}{float(found[2]) * factor:.6f}"
@@ -72,7 +72,7 @@ class Forger:
         return Forger(tuple(lines))
 
     def _moved(self, place, by, lines):
-        """Line numbers (from 1) of what stood behind a place, in the map."""
+        """Shift the line numbers (from 1) in the map that are after a place."""
 
         def shifted(number):
             return str(int(number) + by if int(number) > place else int(number))

@@ -1,5 +1,6 @@
-"""Bounds that stay above the truth even with a term too few are held against a second calculation: power
-series, and arms whose lengths are seen at once.
+"""Tests of bounds of which each term matters. Dense sampling wouldn't notice that a term is missing, because
+the bound would exceed the truth even without it. So the bounds are compared with a second computation: power
+series, and arms whose lengths are obvious.
 """
 
 from dataclasses import replace
@@ -22,8 +23,8 @@ MASSES, STIFF = np.array([4.0, 7.0]), np.array([0.3, 0.8])
 
 
 def arm(kinds):
-    """Return joints at x = 0 and 1 m that turn about z (R) or slide along x (P), with centres of mass 0.5
-    m and 3 m out.
+    """Return joints at x = 0 and 1 m that turn about z (R) or slide along x (P), with centers of mass at 0.5
+    m and 3 m.
     """
     screws = [
         np.concatenate([-np.cross(Z, place * X), Z]) if kind == "R" else np.concatenate([X, NOTHING])
@@ -44,7 +45,7 @@ def series(*derivatives):
 
 
 def times(*factors):
-    """Return the product of power series, cut after the fourth power."""
+    """Return the product of power series, up to the fourth power."""
     product = series(1.0)
     for one in factors:
         product = np.convolve(product, one)[:5]
@@ -52,7 +53,7 @@ def times(*factors):
 
 
 def grown(w, a, j):
-    """Return e to the power w t + a t^2/2 + j t^3/6, which bounds how a vector of length 1 turns."""
+    """Return exp(w t + a t^2/2 + j t^3/6), which bounds the rotation of a vector of length 1."""
     inner, term, total = series(0.0, w, a, j), series(1.0), series(1.0)
     for at in range(1, 5):
         term = times(term, inner) / at
@@ -61,12 +62,12 @@ def grown(w, a, j):
 
 
 def from_the(derivative, power_series):
-    """Return the series of a derivative of a series; it has as many powers less."""
+    """Return the series of a derivative of a series. It has correspondingly fewer powers."""
     values = [factorial(at) * one for at, one in enumerate(power_series)]
     return series(*values[derivative:])
 
 
-# of each arm: its kinds, and by body the lengths from the axes to the centre of mass [m]
+# Kinds of each arm's joints, and for each body the lengths from the axes to its center of mass [m].
 ARMS = {"R": [[3.0]], "RR": [[0.5], [3.0, 2.0]], "PR": [[TRAVEL], [2.0 + TRAVEL, 2.0]]}
 
 
@@ -102,7 +103,7 @@ def test_torques_bend_as_the_series_say(kinds, seed):
 
 
 def test_a_slide_reaches_as_far_as_it_goes():
-    """Of an arm that turns and then slides, paths bend the more the farther out the slide is."""
+    """For an arm that turns and then slides, the bound grows with the position of the slide."""
     robot = load_robot("INDUSTRIAL6").value
     screws = np.array([np.concatenate([NOTHING, Z]), np.concatenate([X, NOTHING])])
     placed = replace(robot, chain=Chain(screws, np.eye(4)))
@@ -113,16 +114,14 @@ def test_a_slide_reaches_as_far_as_it_goes():
         cubics = Cubics(q, one, np.zeros((1, 2)), np.zeros((1, 2)), np.array([0.01]))
         origin, _ = arm_bounds(cubics, np.array([0]), np.eye(4)[None], placed)
         found.append(origin[0])
-    # a point r out of an axis that turns by w has the fourth derivative r w^4
+    # A point at distance r from an axis that turns at w has the fourth derivative r w^4.
     assert found[0] >= 0.5 * 0.1**4
     assert found[1] >= 2.0 * 0.1**4
 
 
 @pytest.mark.parametrize("seed", range(20))
 def test_speeds_of_parabolas_are_bounded_sharply(seed):
-    """Where the remainder is 0 the bounds lie around the speeds, and no farther away than the quarters of
-    Bernstein polynomials do.
-    """
+    """If the remainder is 0, the bounds enclose the speeds, and are accurate to 0.1 %."""
     random = np.random.default_rng(seed)
     d = 0.2
     v0, change, curve = random.uniform(-1, 1, (3, 3)) * np.array([1.0, 0.05, 0.05])[:, None]
@@ -137,7 +136,8 @@ def test_speeds_of_parabolas_are_bounded_sharply(seed):
     seen = np.linalg.norm(velocity, axis=1)
     assert low[0] <= seen.min() * (1 + 1e-12)
     assert high[0] >= seen.max() * (1 - 1e-12)
-    # the square is a polynomial of degree 4 with small bends: its quarters leave 1 part in 1000
+    # The squared speed is a polynomial of degree 4 with little curvature. Its bounds on the quarters of a
+    # segment are accurate to 0.1 %.
     assert high[0] <= seen.max() * 1.001
     assert low[0] >= seen.min() * 0.999
 
@@ -154,7 +154,7 @@ def test_a_steady_speed_is_told_to_the_last_digits():
 
 
 def test_the_elbow_of_an_arm_on_a_slide():
-    """The shoulder is where the first two axes that turn meet, whichever joints these are."""
+    """The shoulder is where the first two turning axes meet, whatever numbers their joints have."""
     axes = np.array([X, Z, np.eye(3)[1], np.eye(3)[1]])
     aside = 0.2 * np.eye(3)[1]
     points = np.array([NOTHING, 0.3 * X, 0.3 * X + 0.4 * Z + aside, 0.3 * X + 1.0 * Z])

@@ -1,5 +1,5 @@
-"""Speeds that motions say they never exceed (`[V<=250]`): kept by all kinds of motions, no slower than
-they need, and proved.
+"""Tests of speed ceilings (`[V<=250]`): all kinds of motions keep them, aren't slower than necessary, and are
+proved.
 """
 
 import math
@@ -36,7 +36,7 @@ ALONE = {
 
 
 def speeds(text):
-    """The largest speed of {TCP} in each command [mm/s], by an independent reading."""
+    """Return the largest speed of {TCP} in each command [mm/s], by an independent reader."""
     found = {}
     for step, done in read(text)[1].items():
         points = ARM.poses(done.sample())[0]
@@ -153,7 +153,7 @@ def test_it_needs_a_length_and_a_time(units):
     assert codes(found) == ["Y0304"]
 
 
-# what the judge says of texts that are faster
+# the judge's findings about texts that are faster than their ceiling
 
 
 @pytest.mark.parametrize("line", [ALONE["MOVEJ"], ALONE["MOVEL"], ALONE["MOVEJ_SPLINE"]])
@@ -164,7 +164,7 @@ def test_a_text_that_is_faster_is_refused(line):
     found = certify(faster.text, asked.program, robot, robot.tolerance, claims).diagnostics
     (said,) = [one for one in found if one.is_error]
     assert said.code == "Y1167"
-    assert re.search(r"\{TCP\} goes at 60\.\d+ mm/s, and \[V<=\.\.\.\] allows 60 mm/s", said.message)
+    assert re.search(r"\{TCP\} moves at 60\.\d+ mm/s, and \[V<=\.\.\.\] allows 60 mm/s", said.message)
     claims = Claims({0: asked.plan.motions[0].waypoints})
     assert not has_errors(certify(asked.text, asked.program, robot, robot.tolerance, claims).diagnostics)
 
@@ -192,3 +192,34 @@ def test_a_bound_that_is_no_number_is_refused(monkeypatch):
     monkeypatch.setattr(ceilings, "fastest_in", broken)
     _, findings = compiled(f"{HEAD}{ALONE['MOVEJ']} [V<=60]")
     assert "Y1167" in codes(findings)
+
+
+BESIDE = """DEFAULT {TCP} [3] (mm,deg,s) {B}
+P0010 MOVEJ_RPY 0 1174.4 1176 0 0 0 [5]
+P0020 MOVEL 60 1174.4 1176 0 0 0 [FIRST] BLEND 0
+P0030 MOVEL 140 1174.4 1176 0 0 0 [SECOND]
+P0050 STOP
+"""
+
+
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [("V<=30", "1"), ("2", "V<=30"), ("4", "V<=60"), ("V<=20", "V<=20"), ("V<=10", "3"), ("V<=30", "V<=20")],
+)
+def test_a_long_blend_without_a_ball_doesnt_free_a_ceiling(first, second):
+    """Only beside the corner may a motion be as fast as its neighbour, however long the map's blend is."""
+    program = BESIDE.replace("FIRST", first).replace("SECOND", second)
+    made, findings = compiled(program)
+    assert not [one for one in findings if one.is_error], findings
+    steps = list(re.finditer(r"(?m)^; command (?:1|2) .* (\d+) (\d+)(?: blend \d+)?$", made.text))
+    size = min(int(one[2]) - int(one[1]) for one in steps)
+    text = re.sub(r"(?m)^(; command 1 .*) blend \d+$", rf"\1 blend {2 * size}", made.text)
+    # ceilings below what the text does
+    for slower in ({"FIRST": "V<=3"}, {"SECOND": "V<=3"}):
+        said = BESIDE.replace("FIRST", slower.get("FIRST", first)).replace(
+            "SECOND", slower.get("SECOND", second)
+        )
+        other, found = compiled(said)
+        assert other is not None, found
+        judged = certify(text, other.program, robot_of("INDUSTRIAL6"), other.certificate.tolerance)
+        assert "Y1167" in codes(judged.diagnostics), slower

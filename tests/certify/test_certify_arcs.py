@@ -1,4 +1,4 @@
-"""Arcs: proved against dense sampling, and refused where the path is another one."""
+"""Tests of arcs: their bounds are compared with dense sampling, and other paths are refused."""
 
 from dataclasses import replace
 from functools import cache
@@ -33,7 +33,7 @@ N, H = 40, 0.05
 
 @cache
 def made(way=(0.08, 0.04, 0.02), bulge=(0.0, 0.05, -0.03), rotvec=(0.1, 0.2, -0.1), n=N):
-    """Start, via, goal and move lines of an arc."""
+    """Return start, via, goal and move lines of an arc."""
     robot = industrial6()
     start = tool_poses(robot.chain, Q0[None], FLANGE_FROM_TCP)[0]
     goal = moved(start, np.array(way), np.array(rotvec))
@@ -57,7 +57,7 @@ def codes(result):
 ARCS = [
     {},
     {"bulge": (0.0, 0.002, 0.0)},
-    {"way": (0.03, 0.0, 0.01), "bulge": (0.0, 0.06, -0.05), "n": 80},  # more than half a circle
+    {"way": (0.03, 0.0, 0.01), "bulge": (0.0, 0.06, -0.05), "n": 80},  # more than a semicircle
     {"rotvec": (0.0, 0.0, 0.0)},
 ]
 
@@ -77,7 +77,7 @@ def test_planned_arcs(shape):
     assert bound.angle <= 1.5 * truth[1] + TOLERANCE.angle / 20
     assert truth[0] < TOLERANCE.position
     assert bound.remainder_position <= 0.05 * TOLERANCE.position
-    # the speed: at every sample, and near the largest
+    # Check the speed at each sample, and that the largest bound is near the largest sample.
     from tests.certify.certify_bench import sample
 
     t, q, *_ = sample(Q0, points, H, 200)
@@ -93,7 +93,7 @@ def test_another_via_or_goal_is_another_arc():
     for off in (1e-6, 1e-4, 1e-3):
         other = via + np.array([0, 0, off])
         assert codes(judge(other, goal, points)) == ([] if off < 1e-5 else ["Y1159"])
-    # the same circle the other way round
+    # A via on the other part of the same circle is refused.
     start = tool_poses(industrial6().chain, Q0[None], FLANGE_FROM_TCP)[0]
     far = arc_poses(start, via, goal, np.array([0.5]))[0, :3, 3]
     chord = (start[:3, 3] + goal[:3, 3]) / 2
@@ -102,7 +102,7 @@ def test_another_via_or_goal_is_another_arc():
     radius = (np.linalg.norm(x) ** 2 / 4 + across @ across) / (2 * np.linalg.norm(across))
     opposite = far + across / np.linalg.norm(across) * 2 * radius
     assert codes(judge(opposite, goal, points)) == ["Y1159"]
-    # a via anywhere on the same arc is the same arc
+    # A via elsewhere on the arc gives the same arc.
     for s in (0.2, 0.9):
         assert codes(judge(arc_poses(start, via, goal, np.array([s]))[0, :3, 3], goal, points)) == []
     off = moved(goal, np.array([0, 0, 1e-4]), np.zeros(3))
@@ -119,7 +119,7 @@ def test_no_circle_is_never_proved():
         assert codes(result) == ["Y1159"]
         assert result.value.commands[0].deviation.position == np.inf
     assert codes(judge(middle, start, points)) == ["Y1160"]
-    # without moves it isn't an arc either
+    # Without moves, the full circle isn't executed.
     motion = hir.ArcMove(origin(0), middle, hir.PoseGoal(start, FLANGE_FROM_TCP), "LSPB", hir.Timing(None))
     job = Job(motion, None)
     robot = industrial6()
@@ -129,7 +129,7 @@ def test_no_circle_is_never_proved():
 @settings(max_examples=25, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.floats(-7, -3), st.integers(0, 3))
 def test_arcs_with_a_point_moved(seed, size, which):
-    """The bound is never below the truth, and not far above it."""
+    """The bound is never below the true deviation, and not far above it."""
     rng = np.random.default_rng(seed)
     start, via, goal, points = made(**ARCS[which])
     points = points.copy()

@@ -1,5 +1,5 @@
-"""Motions that flow into each other: what is right is proved, what is wrong by a little is found, dense
-sampling is never beyond a bound.
+"""Tests of motions that flow into each other: correct texts are proved, small errors are found, and no dense
+sample exceeds a bound.
 """
 
 import json
@@ -49,7 +49,7 @@ def codes(result):
 
 
 def blended(jobs, step, blend):
-    """The jobs with another blend in the program."""
+    """Return the jobs with another blend in the program."""
     jobs = [*jobs]
     jobs[step] = replace(jobs[step], motion=replace(jobs[step].motion, blend=blend))
     return jobs
@@ -93,7 +93,7 @@ def test_joint_motions():
         assert truth - 1e-9 <= command.blended.angle <= truth * 1.0001 + 1e-9
         assert command.blended.radius == 0.0
         assert command.blended.turn == 5 * DEG
-        # a ball that is left by 1 %
+        # With a radius that is 1 % too small, the motion leaves the ball.
         for share, found in ((0.99, ["Y1166"]), (1.001, [])):
             smaller = blended(jobs, corner, hir.Reading(None, truth * share))
             assert codes(judge(robot, Q0, smaller)) == found
@@ -142,16 +142,17 @@ def test_a_joint_chain_that_is_wrong_by_a_little():
     off = 2 * TOLERANCE.angle * np.array([0, 0, 1, 0, 0, -1])
     for step, row in ((0, 20), (1, 25), (2, 30)):
         assert codes(judge(robot, Q0, edited(jobs, step, row, off))) == ["Y1159"]
-    # in a ball there is room, but not for this
+    # Within a ball, a small error is allowed, but not this large one.
     for size, found in ((0.01 * DEG, []), (6 * DEG, ["Y1166"])):
         changed = edited(jobs, 1, 0, np.array([0, 0, 0, 0, 0, size]))
         assert ("Y1166" in codes(judge(robot, Q0, changed))) == bool(found)
-    # another corner
+    # The text is refused if the program has another corner.
     other = [*jobs]
     goal = hir.JointGoal(GOALS[0] + np.array([0, 0, 0.1, 0, 0, 0]) * DEG)
     other[0] = replace(jobs[0], motion=replace(jobs[0].motion, goal=goal))
     assert "Y1159" in codes(judge(robot, Q0, other))
-    # a change that counts from the programmed corner, not from where the robot is in the middle of the blend
+    # A relative motion counts from the programmed corner, not from the robot's position in the middle of the
+    # blend.
     delta = hir.JointDelta(GOALS[1] - GOALS[0] + 2 * off)
     other = [*jobs]
     other[1] = replace(jobs[1], motion=replace(jobs[1].motion, goal=delta))
@@ -182,28 +183,28 @@ def test_a_map_with_another_blend(old, new, reason):
     elif new == " blend 4\n":
         assert set(codes(result)) == {"Y1159"}
     else:
-        assert codes(result) == []  # it follows the paths for less long, and that is inside the ball
+        assert codes(result) == []  # the text follows less of the paths, and stays inside of the ball
 
 
 def test_a_blend_on_the_wrong_line():
     robot = industrial6()
     _, jobs = joint_chain()
     text = emit(robot, Q0, jobs)
-    # behind the last, which ends at rest
+    # A map that has a blend after the last motion is refused, because this motion ends at rest.
     last = next(line for line in text.split("\n") if line.startswith("; command 2 "))
     result = certify(text.replace(last, last + " blend 4"), program(Q0, jobs), robot, TOLERANCE)
     assert codes(result) == ["Y1153"]
-    # where the program has none
+    # A blend where the program has none is refused.
     result = judge(robot, Q0, blended(jobs, 0, None))
     assert codes(result) == ["Y1153"]
-    assert "shall end at rest" in result.diagnostics[0].message
+    assert "must end at rest" in result.diagnostics[0].message
     ended = blended(jobs, 2, hir.Reading(None, 1.0))
     result = certify(text.replace(last, last + " blend 4"), program(Q0, ended), robot, TOLERANCE)
     assert codes(result) == ["Y1153"]
     assert "the sequence ends" in result.diagnostics[0].message
-    # a motion that may flow on, and stops: nothing is wrong with that
+    # A motion that could flow on, but stops, is correct.
     assert codes(certify(text, program(Q0, ended), robot, TOLERANCE)) == []
-    # over a wait
+    # A blend over a wait is refused.
     waits = [jobs[0], Job(hir.Dwell(origin(1, "WAIT"), 1.0), None), *jobs[1:]]
     assert codes(judge(robot, Q0, waits)) == ["Y1153"]
 
@@ -219,8 +220,8 @@ def test_a_text_without_its_source():
 
 
 def test_times_of_a_chain():
-    """From mid-blend to mid-blend; the seams of a chain are on whole segments, its end is right to half of
-    one.
+    """The time of a motion counts from mid-blend to mid-blend. Corners are on whole segments, so the end of a
+    chain is accurate to half a segment.
     """
     robot = industrial6()
     _, jobs = joint_chain()
@@ -313,7 +314,7 @@ def test_motions_of_the_frame(kind):
         for share, found in ((0.99, ["Y1166"]), (1.002, [])):
             smaller = blended(jobs, corner, hir.Reading(truth * share, None))
             assert codes(judge(robot, Q0, smaller)) == found
-    # between the balls: on the path, by dense sampling
+    # Between the balls, the motion is on the path, by dense sampling.
     for k, command in enumerate(result.value.commands):
         first, last = chain.spans[k]
         inside = first + (8 if k else 0), last - (8 if k < 2 else 0)
@@ -329,9 +330,10 @@ def test_a_chain_of_the_frame_that_is_wrong_by_a_little(kind):
     off = 0.01 * DEG * np.array([0, 0, 1, 0, 0, 0])
     for step, row in ((0, 16), (1, 9), (2, 20)):
         assert codes(judge(robot, Q0, edited(jobs, step, row, off))) == ["Y1159"]
-    # the frame turns too far inside the ball: about itself by the last joints, so that it hardly moves
+    # Inside of the ball, the frame turns too far. The last joint turns the frame about its own axis, so the
+    # origin of the frame hardly moves.
     assert "Y1166" in codes(judge(robot, Q0, edited(jobs, 1, 0, np.array([0, 0, 0, 0, 0, 60 * DEG]))))
-    # another corner, by twice the tolerance across
+    # The text is refused if the program's corner is displaced by twice the tolerance.
     other = [*jobs]
     motion = jobs[0].motion
     goal = hir.PoseGoal(moved(A, np.array([0, 0, 1e-4]), np.zeros(3)), FLANGE_FROM_TCP)
@@ -353,7 +355,9 @@ def test_a_change_counts_from_the_programmed_corner():
 
 
 def test_blends_that_take_all_of_a_motion():
-    """Half of it each: nothing is followed, and all of the path lies in the balls."""
+    """Each blend takes half of a motion. Then no part of the path is followed, but all of it is inside of the
+    balls.
+    """
     robot = industrial6()
     half = np.linalg.norm((B - A)[:3, 3]) / 2
     radius = hir.Reading(half * 1.01, None)
@@ -406,7 +410,7 @@ def test_joints_and_frames_in_one_chain():
     claims = {0: corner[None], 1: end[None], 2: last[None]}
     result = judge(robot, Q0, jobs, claims)
     assert codes(result) == []
-    # the joints at the end of a line can be worked out
+    # The joints at the end of a line can be computed without a claim.
     assert codes(judge(robot, Q0, jobs, {0: corner[None], 2: last[None]})) == []
     for k in range(2):
         _, at = chain.sample(robot, *chain.overlap(k))
@@ -415,7 +419,7 @@ def test_joints_and_frames_in_one_chain():
         assert truth - 1e-10 <= found.position <= truth * 1.01 + 2e-5
         small = blended(jobs, k, hir.Reading(truth * 0.99, None))
         assert codes(judge(robot, Q0, small, claims)) == ["Y1166"]
-    # a joint goal of a pose needs a claim, and a true one
+    # For a joint motion to a pose, a claim is needed, and it must be true.
     assert "Y1161" in codes(judge(robot, Q0, jobs, {2: last[None]}))
     for step, off in ((0, 0.01), (1, 0.01)):
         wrong = dict(claims)
@@ -448,7 +452,7 @@ def test_claims_about_laws_of_a_chain():
 @settings(max_examples=25, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.floats(-6, -1.5), st.sampled_from(["lines", "arc", "curve"]))
 def test_no_sample_is_beyond_what_is_certified(seed, size, kind):
-    """Points moved anywhere: balls and paths, by dense sampling."""
+    """If points are moved anywhere, dense samples stay within the proved balls and paths."""
     rng = np.random.default_rng(seed)
     robot = industrial6()
     chain, _jobs, legs = frame_chain(kind)
@@ -491,15 +495,15 @@ def test_joint_balls(seed, half):
 
 
 def test_a_joint_motion_turns_the_frame_by_what_its_joints_turn():
-    """A tail whose joints turn against each other, by nothing together: the sum of both ways turns the
-    frame by a little.
+    """In the last part of the joint motion, the joints' rotations nearly cancel each other, so the frame
+    turns only a little. The bound is the sum of the signed rotations, not the sum of their absolute values.
     """
     robot = industrial6()
     corner = np.array([0, 20, -30, 0, 10, 0]) * DEG
     start = tool_poses(robot.chain, corner[None], FLANGE_FROM_TCP)[0]
     goal = moved(start, np.array([0.15, 0.0, 0]), np.zeros(3))
     path = line_of(start, goal)
-    # joints 2, 3 and 5 turn about parallel axes
+    # Joints 2, 3 and 5 turn about parallel axes.
     first = corner + np.array([0, 5, -12.5, 0, 7.5, 0]) * DEG
     radius = hir.Reading(0.07, None)
     legs = [
@@ -520,13 +524,13 @@ def test_a_joint_motion_turns_the_frame_by_what_its_joints_turn():
     assert codes(result) == []
     found = result.value.commands[0].blended
     assert 0.01 * DEG < found.angle < found.turn
-    # which isn't without bound
+    # A larger turn of the frame is found.
     worse = edited(jobs, 1, 0, np.array([0, 0, 0, 0, 0, 60 * DEG]))
     assert "Y1166" in codes(judge(robot, first, worse))
 
 
 def test_two_frames_in_one_chain():
-    """The ball is that of the first motion's frame; both follow their own paths outside of it."""
+    """The ball belongs to the first motion's frame. Outside of the ball, each motion follows its own path."""
     robot = industrial6()
     other = np.eye(4)
     other[:3, 3] = [0.05, 0.2, 0.1]
@@ -560,8 +564,8 @@ def test_two_frames_in_one_chain():
 @settings(max_examples=25, deadline=None)
 @given(st.data())
 def test_no_text_stops_the_judge(tally, data):
-    """Numbers of moves, of the map and of TM changed at will: a certificate or a refusal, and both can be
-    told.
+    """With random changes of the numbers of moves, map and TM, the judge gives a certificate or a refusal,
+    and each can be printed.
     """
     robot = industrial6()
     _, jobs, _ = frame_chain(data.draw(st.sampled_from(["lines", "arc", "curve"])))

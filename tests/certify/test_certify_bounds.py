@@ -1,4 +1,6 @@
-"""The theorems: every bound holds against dense sampling by other formulas, and isn't far above it."""
+"""Tests of the theorems: each bound holds for dense samples, computed by other formulas, and isn't far above
+them.
+"""
 
 from itertools import product
 
@@ -49,7 +51,7 @@ def test_conformance_positions(conformance):
 def test_extremes_are_those_of_dense_sampling(seed, count, h):
     rng = np.random.default_rng(seed)
     start, points = rng.normal(size=3), rng.normal(size=(count, 3))
-    points[rng.random(count) < 0.3] = start  # rests and turns
+    points[rng.random(count) < 0.3] = start  # some joints rest or turn back
     cubics = of_lines(start, points, h)
     _, x, v, a, j = sample(start, points, h, per_segment=200)
     lower, upper = cubics.position_range()
@@ -70,7 +72,8 @@ def test_extremes_are_those_of_dense_sampling(seed, count, h):
 
 
 def test_position_turns_inside_a_segment_that_starts_at_rest():
-    # v = a t + j t^2 / 2 with both ends' product zero: the turn at t = 2/3 is easily missed
+    # v = a t + j t^2 / 2, where the product of the velocities at both ends is zero: the turn at t = 2/3 is
+    # easily missed.
     one = np.ones((1, 1))
     cubics = Cubics(0 * one, 0 * one, one, -3.0 * one, np.array([1.0]))
     assert cubics.position_range()[1][0, 0] == 2.0 / 27.0
@@ -79,7 +82,7 @@ def test_position_turns_inside_a_segment_that_starts_at_rest():
 @settings(max_examples=40, deadline=None)
 @given(seeds, st.sampled_from(["industrial6", "railed"]))
 def test_fourth_derivatives_of_the_arm(seed, name):
-    """A fourth divided difference is the fourth derivative somewhere: never more than the bound."""
+    """A fourth divided difference is the fourth derivative at some point, so it is never above the bound."""
     robot = industrial6() if name == "industrial6" else railed()
     rng = np.random.default_rng(seed)
     n = robot.size
@@ -102,7 +105,9 @@ def test_fourth_derivatives_of_the_arm(seed, name):
 @settings(max_examples=20, deadline=None)
 @given(seeds)
 def test_fourth_derivatives_term_by_term(seed):
-    """Faa di Bruno's formula written out: every partition of four derivations, every joint for each block."""
+    """Compare with Faa di Bruno's formula written out: a sum over all partitions of four derivatives into
+    blocks, and over all ways to assign a joint to each block.
+    """
     rng = np.random.default_rng(seed)
     n = 5
     rates = rng.random((3, n))
@@ -113,7 +118,8 @@ def test_fourth_derivatives_term_by_term(seed):
         for joints in product(range(n), repeat=len(orders)):
             last = max(joints)
             if prismatic[list(joints)].sum() > prismatic[last] * (joints.count(last) == 1):
-                continue  # a slide moves nothing that turns about an outer axis, and itself only once
+                # a slide counts only as the joint nearest to the tool, and only once
+                continue
             size = 1.0 if prismatic[last] else reach[last]
             total += (
                 times
@@ -125,7 +131,9 @@ def test_fourth_derivatives_term_by_term(seed):
 
 
 def test_fourth_derivative_is_reached():
-    """One joint alone: the bound is the truth, w^4 R for a steady turn and 3 a^2 R at the start of one."""
+    """With a single joint, the bound is exact: w^4 R for a steady turn, and 3 a^2 R at the beginning of a
+    turn.
+    """
     robot = industrial6()
     reach = reaches(robot.chain, FLANGE_FROM_TCP, np.zeros(6))
     only = np.zeros((1, 6))
@@ -147,19 +155,19 @@ def test_reach_holds_in_every_configuration(seed):
         reach = reaches(robot.chain, tool, np.abs(q).max(axis=0))
         from yarclang.robot.kinematics.fk import poses_and_jacobians
 
-        # the linear part of a joint's column is axis x arm: its length is the distance from the axis
+        # The linear part of a joint's column is axis x arm, so its length is the distance from the axis.
         _, jacobian = poses_and_jacobians(robot.chain, q, tool)
         far = np.linalg.norm(jacobian[:, :3], axis=1).max(axis=0)
         turning = ~robot.chain.is_prismatic
         assert (far[turning] <= reach[turning] + 1e-12).all()
-    # not only an upper bound: the outer joints can stretch the arm out to most of it
+    # The reach isn't much too large: the outer joints can stretch the arm to most of it.
     assert reach[1] < 3.0 * far[1]
 
 
 @settings(max_examples=60, deadline=None)
 @given(seeds)
 def test_hermite_remainder_with_a_jump(seed):
-    """A piecewise quartic against its Hermite cubic: d^4/384 max|e''''| + d^3/192 |jump|."""
+    """For a piecewise quartic and its Hermite cubic, the bound is d^4/384 max|e''''| + d^3/192 |jump|."""
     rng = np.random.default_rng(seed)
     d, at = 10 ** rng.uniform(-2, 0), rng.random()
     c = rng.normal(size=5)
@@ -190,7 +198,7 @@ def test_catch_up_sees_running_back_stopping_short_and_overshooting():
     assert np.isclose(catch_up(forward + 0.125, group).max(), 0.125)
     two = np.concatenate([forward, forward])
     assert catch_up(two, np.array([0, 0, 1, 1])).max() < 1e-15
-    assert catch_up(two, np.array([0, 0, 0, 0])).max() > 0.5  # one motion that goes twice
+    assert catch_up(two, np.array([0, 0, 0, 0])).max() > 0.5  # both executions count as one command
 
 
 @given(st.lists(st.lists(st.floats(-0.1, 1.1), min_size=4, max_size=4), min_size=1, max_size=6))
@@ -201,7 +209,9 @@ def test_what_one_command_has_to_catch_up_does_not_depend_on_the_others(points):
 
 
 def test_how_far_one_command_reaches_does_not_depend_on_the_others():
-    """A sliding joint adds its own travel to the reach."""
+    """The reach of a command doesn't depend on other commands. A sliding joint adds the travel in this
+    command.
+    """
     robot = railed()
     own, other = (
         of_lines(start, start + np.linspace(0.0, way, 9)[1:, None] * np.ones(robot.chain.size), 0.02)

@@ -1,5 +1,5 @@
-"""Registers, conditions and the ways of a CASE in a text: read back by the judge's own reader, and any
-forged one is refused.
+"""Tests of registers, conditions and CASE branches in a text: the judge's own reader reads them, and forged
+ones are refused.
 """
 
 import random
@@ -154,7 +154,7 @@ def test_a_forged_condition_of_a_wait_is_refused(until, old, new):
 
 
 def test_a_wait_for_a_limit_or_a_motor_is_refused_without_the_program(until):
-    """A variable that is no input says so in a condition too."""
+    """In a condition, too, a variable that isn't an input is reported."""
     forged = until.text.replace("(M70>$N)", "(M161>$N)")
     found = certify_text(forged, until.plan.robot, until.program.source)
     assert any("waits for M161" in one.message for one in found.diagnostics if one.is_error)
@@ -256,8 +256,8 @@ def test_a_forged_end_is_refused(ending, old, new):
 
 @pytest.mark.parametrize("kind", ["stop", "abort"])
 def test_a_way_that_goes_on_after_its_end_is_refused_without_the_program(ending, kind):
-    """A move line after the end would count as the way's, and the ways would be thought to part where they
-    meet.
+    """A move line after the end of the program would count as part of the branch, so the branches would seem
+    to end at different positions.
     """
     lines = ending.text.splitlines()
     numbers = {
@@ -268,7 +268,7 @@ def test_a_way_that_goes_on_after_its_end_is_refused_without_the_program(ending,
     assert len(numbers) == 1
     (number,) = numbers
     step = int(lines[number].split()[4])
-    # the barrier before the WHEN's end becomes the end, and the WHEN's own end a hold
+    # The barrier before the WHEN's end becomes the end, and the WHEN's own end a hold.
     for forged_kind in ("hold", "wait"):
         forged = ending.text.replace(
             f" else {step + 1} - - -" if kind == "stop" else f" end {step + 1} - - -",
@@ -276,28 +276,30 @@ def test_a_way_that_goes_on_after_its_end_is_refused_without_the_program(ending,
         )
         assert forged != ending.text
         found = certify_text(forged, ending.plan.robot, ending.program.source)
-        assert any("its way goes on after that" in one.message for one in found.diagnostics)
+        assert any("its branch continues after it" in one.message for one in found.diagnostics)
 
 
 def test_ways_meet_where_the_way_that_goes_on_ends(ending):
-    """With its end taken for a hold, a way's end would be where the other one has to be."""
+    """If the end of the program in a branch is forged to a hold, the branch would have to end where the other
+    one ends.
+    """
     for old, new in ((" stop 2 - - -", " hold 2 - - -"), (" abort 8 - - no part", " hold 8 - - no part")):
         forged = ending.text.replace(old, new)
         found = certify_text(forged, ending.plan.robot, ending.program.source)
-        assert any("end apart" in one.message for one in found.diagnostics)
+        assert any("end at different positions" in one.message for one in found.diagnostics)
 
 
 def test_what_was_not_read_before_is_refused_without_the_program(made):
     forged = made.text.replace("again:(M70>=2)&(M70<=4)", "again:(M71>=2)&(M71<=4)")
     found = certify_text(forged, made.plan.robot, made.program.source)
-    assert any("decides by what wasn't read" in one.message for one in found.diagnostics)
+    assert any("decides by inputs that weren't read" in one.message for one in found.diagnostics)
     forged = made.text.replace("M70=1 - JOB", "again:M70=1 - JOB")
     found = certify_text(forged, made.plan.robot, made.program.source)
-    assert any("decides by what wasn't read" in one.message for one in found.diagnostics)
+    assert any("decides by inputs that weren't read" in one.message for one in found.diagnostics)
 
 
 def drawn(chance, depth, *, condition):
-    """A value of every operator, some deep."""
+    """Return a random expression of all operators, sometimes deeply nested."""
     if condition:
         kind = chance.choice(("compare", "compare", "connect", "not") if depth else ("compare",))
         if kind == "not":
@@ -338,7 +340,7 @@ def test_what_is_written_is_read_as_it_was_meant(tally):
         tally.count("deep", text.count("(") >= 3)
         tally.count("condition", condition)
         assert in_words(value)
-        # a text that is cut, or has a character more, says nothing or something else
+        # A text with a character less or more can't be read, or has another meaning.
         place = chance.randrange(len(text))
         assert read_value(text[:place] + text[place + 1 :]) != value
         assert read_value(text + chance.choice("()&1$ ")) != value
@@ -382,9 +384,7 @@ P30 WAIT DOOR ON
     ],
 )
 def test_another_value_of_an_input_or_output_is_refused(old, new):
-    """A WAIT compares exactly while the program runs: a value that is off by a millionth is another
-    condition.
-    """
+    """A WAIT compares exactly at run time, so a value that differs by a millionth is another condition."""
     found, _ = compiled(VALUES, "INDUSTRIAL6")
     assert not [one for one in judged(found, found.text).diagnostics if one.is_error]
     assert found.text.count(old) == 1
@@ -412,7 +412,9 @@ def test_a_minus_before_a_state_is_its_number(line):
     ],
 )
 def test_what_a_text_cannot_say_is_refused_at_its_line(lines, code):
-    """Rounded to the text's decimals a decision would be another one, and the judge could not see it."""
+    """A value that has more decimals than the text allows is refused at its line. Rounded, the decision could
+    be another one, which the judge couldn't notice.
+    """
     found, diagnostics = compiled(f"INPUT JOB M70\nREGISTER N 0..5\n{lines}\n", "INDUSTRIAL6")
     assert found is None
     assert [one.code for one in diagnostics if one.is_error] == [code]
@@ -428,7 +430,7 @@ def test_what_a_text_can_say_is_compiled(lines):
 
 def test_numbers_are_told_with_all_their_digits():
     _, diagnostics = compiled("REGISTER N 0..1000000\nP10 SET N = 1000001\n", "INDUSTRIAL6")
-    assert any("never 1000001" in one.message for one in diagnostics)
+    assert any("can't be 1000001" in one.message for one in diagnostics)
     assert state_text(1000002.0) == "1000002"
 
 
@@ -589,6 +591,6 @@ def test_a_wait_for_what_nothing_changes_is_refused():
             forged = made.text.replace(old, new)
             found = judged(made, forged)
             assert any(one.is_error for one in found.diagnostics), new
-    assert "stands where line" in " ".join(
+    assert "comes too late: line" in " ".join(
         one.message for one in judged(made, made.text.replace("0 outside", "0")).diagnostics
     )

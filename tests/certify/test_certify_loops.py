@@ -1,5 +1,5 @@
-"""Loops in a text: where each begins, begins anew, is left and ends must be the program's, and each pass
-must close.
+"""Tests of loops in a text: each must begin, repeat, be left and end as in the program, and each pass must
+end where it began.
 """
 
 import re
@@ -103,7 +103,7 @@ def test_the_header_says_that_loops_count_once(made, old, new):
     [
         (2, "next", "a pass ends elsewhere than where the loop begins"),
         (0, "hold", "a loop is left that didn't begin"),
-        (4, "hold", "the ways out of a loop end apart"),
+        (4, "hold", "the exits of a loop end at different positions"),
         (5, "hold", "a loop has no end"),
         (6, "hold", "a loop begins anew that didn't begin"),
         (3, "endloop", "a loop ends that didn't begin"),
@@ -118,7 +118,7 @@ def test_a_loop_that_does_not_close_is_refused_without_the_program(made, number,
 
 
 def test_a_pass_that_ends_elsewhere_is_refused(made):
-    """The whole last motion of the body is another one: it leads to 5.5 deg, and so would each pass."""
+    """The last motion of the body is replaced by one to 5.5 deg, so each pass would end there."""
     lines = made.text.splitlines()
     places = {int(line.split()[2]): line.split()[3] for line in barriers(made.text)}
     (end,) = [number for number, kind in places.items() if kind == "next"][:1]
@@ -141,6 +141,6 @@ def test_a_program_buffer_has_no_loops():
     found, diagnostics = compiled(SOURCE, "INDUSTRIAL6", target="prog")
     assert found is None
     assert [one.code for one in diagnostics if one.is_error] == ["Y1106"]
-    assert "LOOP is begun anew or left by the runtime" in next(
+    assert "LOOP is repeated and left by the runtime" in next(
         one.message for one in diagnostics if one.is_error
     )

@@ -1,4 +1,4 @@
-"""Outputs that are set in the middle of a blend: there, and nowhere else while the robot moves."""
+"""Tests of outputs that are set in the middle of a blend. Anywhere else during a motion, they are refused."""
 
 from dataclasses import replace
 
@@ -17,8 +17,8 @@ GLUE, LAMP = hir.Signal("GLUE", "M1"), hir.Signal("LAMP", "M2")
 
 
 def with_sets(at=0, lines=("M1==1",), sets=((GLUE, 1.0),), behind=0):
-    """The chain of joint motions with SETs behind its first command; `lines` stand before move line `at`
-    of the second.
+    """Return the chain of joint motions with SETs after its first command. `lines` are before move line `at`
+    of the second command.
     """
     _, jobs = joint_chain()
     steps = [
@@ -54,7 +54,7 @@ def test_in_the_middle(at):
         assert set(codes(result)) == {"Y1165"}
         side = "after" if at > 0 else "before"
         assert f"{abs(at)} segments {side} the middle of the blend" in result.diagnostics[0].message
-    # nor without the program
+    # A SET at a wrong place is also refused without the program.
     source = program(Q0, with_sets()).source
     found = certify_text(emit(industrial6(), Q0, with_sets(at)), industrial6(), source)
     assert codes(found) == (["Y1193"] if abs(at) <= 1 else ["Y1165"])
@@ -70,10 +70,10 @@ def test_more_than_one():
         ("M1==1", "M2==0", "M1==0"),
     ):
         assert codes(judge(industrial6(), Q0, with_sets(0, lines, both))) == ["Y1165"]
-    # a variable that is no output of the program
+    # A SET of a variable that isn't an output of the program is refused.
     other = codes(judge(industrial6(), Q0, with_sets(0, ("M3==1", "M2==0"), both)))
     assert other == ["Y1191", "Y1165"]
-    # at the other blend
+    # Setting the output at the other blend is accepted if the program does so.
     moved = with_sets(0, ("M1==1",), ((GLUE, 1.0),), behind=1)
     assert codes(judge(industrial6(), Q0, moved)) == []
     text = emit(industrial6(), Q0, moved)
@@ -92,7 +92,7 @@ def test_more_than_one():
         )
         == []
     )
-    # and left out, or for a program that has none
+    # A text without the program's SET is refused.
     assert codes(judge(industrial6(), Q0, with_sets(0, ()))) == ["Y1165"]
 
 

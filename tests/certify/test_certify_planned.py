@@ -1,5 +1,5 @@
-"""The certificate of what the planner makes: figures against another reading, and texts that are changed
-by a little.
+"""Tests of certificates of planned texts: their figures are compared with an independent reading, and
+slightly changed texts are refused.
 """
 
 import re
@@ -53,8 +53,8 @@ def codes(result):
 
 
 def read(text):
-    """The control points [deg] of the last sequence, its segment time [s], and of each step its segments
-    and its blend.
+    """Return the control points [deg] of the last sequence, its segment time [s], and the segments and the
+    blend of each step.
     """
     lines = text.split("\n")
     entries = [re.match(r"; command (\d+) \S+ \S+ \d+ (\d+) (\d+)(?: blend (\d+))?$", line) for line in lines]
@@ -108,7 +108,7 @@ def test_figures_of_the_blends():
 
 
 def test_the_line_and_the_arc_between_their_blends():
-    """By the plain definition: distances from a line, and from a circle and its plane."""
+    """Compare with the plain definition: distances from a line, and from a circle and its plane."""
     f, h, spans = read(compiled().text)
     arm = Arm.in_folder(compiled().plan.robot.folder)
     before = spans[0][2]
@@ -123,8 +123,8 @@ def test_the_line_and_the_arc_between_their_blends():
 
 @pytest.mark.parametrize("seed", range(12))
 def test_a_move_line_that_is_changed(seed):
-    """Anywhere outside of blends, by 0.02 deg: found. Within one: found, or as far from the corner as is
-    allowed.
+    """A move line is changed by 0.02 deg. Outside of blends, this is found. Within a blend, it is found, or
+    the corner is still within its ball.
     """
     text = compiled().text
     *_, spans = read(text)
@@ -137,7 +137,7 @@ def test_a_move_line_that_is_changed(seed):
     parts[axis] = parts[axis][0], f"{float(parts[axis][1]) + 0.02:.6f}"
     lines[order[k]] = "".join(letter + value for letter, value in parts)
     result = judged("\n".join(lines))
-    touched = range(k, k + 4)  # segments k to k + 3 before the point's number counts from the first
+    touched = range(k, k + 4)  # segments k to k + 3 depend on point k
     inside = any(
         blend and all(end - blend // 2 <= s < end + blend // 2 for s in touched)
         for _, end, blend in spans.values()
@@ -153,7 +153,7 @@ def test_outputs_and_maps_that_are_changed():
     for off, found in ((-1, []), (1, []), (2, ["Y1165"]), (-3, ["Y1165"])):
         moved = [*lines]
         moved.insert(at + off, moved.pop(at))
-        # the map's lines of both commands go along with it
+        # Update the map's lines of both commands.
         place = moved.index("M1==1") + 1
         shown = re.sub(
             r"(; command [13] \S+ \S+ \d+ )(\d+) (\d+)",
@@ -170,7 +170,7 @@ def test_outputs_and_maps_that_are_changed():
 
 
 def _shifted(line, before, behind):
-    """The number of a move line after a line was moved from `before` to `behind`."""
+    """Return the number of a move line after a line was moved from `before` to `behind`."""
     if behind <= line < before:
         return line + 1
     if before < line <= behind:
@@ -195,8 +195,8 @@ P0060 MOVEC 100 1174.4 1226; 0 1174.4 1176 0 0 0
 
 @pytest.mark.parametrize("target", ["rotary", "prog"])
 def test_the_ways_of_a_when(target):
-    """Each begins where the robot stood before both: a motion of the second way isn't one from the end of
-    the first.
+    """Both branches of a WHEN begin at the same position. The second branch doesn't begin at the end of the
+    first.
     """
     result = yarclang.compile(WAYS, robot="INDUSTRIAL6", target=target)
     assert result.value is not None, result.diagnostics
@@ -206,7 +206,9 @@ def test_the_ways_of_a_when(target):
 
 
 def test_an_arm_with_a_joint_too_many(tmp_path):
-    """The joints at the end of a line are as planned: the pose alone doesn't say them."""
+    """For an arm with a spare joint, the pose at the end of a line doesn't determine the joints, so they are
+    claimed.
+    """
     from programs import compiled as compiled_for
 
     from tests.robot.made_arms import DATA, REAL, made
@@ -227,14 +229,17 @@ P0040 DMOVE 0 60 0 0 5 0
     assert result.certificate.commands[1].blended.position <= 0.01502
 
 
-# a speed that isn't reached is a claim
+# if a motion doesn't reach its programmed speed, the planner claims the share of the speed that the motion
+# reaches
 
 
 SHORT_WAY = "DEFAULT {TCP} (mm,deg,s) {B}\nP0010 MOVEJ 20 0 0 0 -30 0 [2]\nP0020 DMOVE 0 0 -6 0 0 0 [V 500]\n"
 
 
 def speed_judged(kept, least=None):
-    """Judge the short way as if these shares of its speed were claimed: the same for both without `least`."""
+    """Judge the short path with claimed shares of its speed: `kept` as the largest ones, `least` as the
+    smallest ones (None: the same).
+    """
     made = yarclang.compile(SHORT_WAY, robot="INDUSTRIAL6").value
     claims = replace(claims_of(made.plan), kept=kept, least=kept if least is None else least)
     return certify(made.text, made.program, made.plan.robot, made.plan.robot.tolerance, claims)
@@ -246,9 +251,9 @@ def test_the_judge_reports_a_speed_that_isnt_reached():
     assert finding.code == "Y0610"
     share = found.value.plan.motions[1].kept
     assert share < 0.9
-    assert f"goes at {share * 100:.3g} % of it" in finding.message
+    assert f"reaches {share * 100:.3g} % of it" in finding.message
     assert finding.fix.title.startswith("write [V ")
-    # the certificate has it as proved
+    # The certificate has the proved speed.
     speed = found.value.certificate.commands[1].tool_speed
     assert speed.programmed == pytest.approx(0.5 * share)
     assert speed.least == pytest.approx(speed.programmed, rel=1e-3)
@@ -268,9 +273,11 @@ def test_without_a_claim_the_text_is_held_to_the_programmed_speed(kept):
 
 @pytest.mark.parametrize("factor", [1.01, 2.0, 9.0])
 def test_a_share_that_is_claimed_too_large_is_told_as_it_is(factor):
-    """The speed may lie between the two shares that are claimed; what is said of it is what was proved."""
+    """If two different shares are claimed, the speed may lie between them. The message has the
+    proved share.
+    """
     made = yarclang.compile(SHORT_WAY, robot="INDUSTRIAL6").value
     share = made.plan.motions[1].kept
     (finding,) = speed_judged({1: share * factor}, {1: share}).diagnostics
     assert finding.code == "Y0610"
-    assert f"goes at {share * 100:.3g} % of it" in finding.message
+    assert f"reaches {share * 100:.3g} % of it" in finding.message

@@ -1,5 +1,5 @@
-"""Splines of poses: proved against dense sampling, by claims and without, and refused where the curve is
-another one.
+"""Tests of splines of poses: their bounds are compared with dense sampling, with and without claims, and
+other curves are refused.
 """
 
 import itertools
@@ -105,7 +105,7 @@ def test_a_wrong_claim_proves_no_less(law):
     _, way, points = made("wave")
     good = judge(way, points).value.commands[0].deviation
     assert judge(way, points, {0: law}).value.commands[0].deviation == good
-    # nor anything that isn't so
+    # A wrong claim doesn't make a wrong path pass, either.
     points = points.copy()
     points[40, 2] += 0.03 * DEG
     assert codes(judge(way, points, {0: law})) == ["Y1159"]
@@ -115,7 +115,7 @@ def test_other_curves_through_the_same_poses():
     for bc_type in ("clamped", "not-a-knot"):
         _, way, points = made("wave", bc_type=bc_type)
         assert codes(judge(way, points)) == ["Y1159"]
-    # a curve through fewer poses, or in another order
+    # The text is refused for a curve through fewer poses, or in another order.
     _, way, points = made("wave")
     assert codes(judge(way[1:], points)) == ["Y1159"]
     assert codes(judge([way[1], way[0], way[2]], points)) == ["Y1159"]
@@ -130,7 +130,7 @@ def test_other_curves_through_the_same_poses():
 
 
 def test_another_parameter_is_another_curve():
-    """By distance alone, without what a turn takes."""
+    """A spline whose parameter is the distance alone, without the rotation, is another curve."""
     start, way = way_points("wave")
     through = [start, *way]
 
@@ -191,7 +191,9 @@ def test_half_a_turn_is_never_proved():
 @settings(max_examples=40, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.integers(2, 6), st.floats(0.05, 2.8))
 def test_derivatives_of_the_curve(seed, count, largest):
-    """Values as scipy's; differences of every order never above the bounds, and the bounds within reason."""
+    """Values equal scipy's. Divided differences of each order are never above the bounds, and the bounds
+    aren't much larger.
+    """
     rng = np.random.default_rng(seed)
     poses = [pose(rng.normal(size=3) * 0.1, Rotation.random(random_state=seed % 1000).as_matrix())]
     for _ in range(count - 1):
@@ -211,7 +213,7 @@ def test_derivatives_of_the_curve(seed, count, largest):
     scale = 1 + np.abs(at.spin).max()
     assert np.abs((ahead.rotation - back.rotation) / (2 * step) - at.spin).max() < 1e-4 * scale
     assert np.abs((ahead.p - back.p) / (2 * step) - at.along).max() < 1e-4 * scale
-    # divided differences inside a span are derivatives somewhere in it
+    # A divided difference inside a span is the derivative at some point of the span.
     u = chord(poses) / chord(poses)[-1]
     for low, high in itertools.pairwise(u):
         a, b = np.sort(rng.uniform(low, high, 2))
@@ -234,7 +236,9 @@ def test_derivatives_of_the_curve(seed, count, largest):
 @settings(max_examples=30, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.integers(2, 4), st.floats(5e-4, 3e-3))
 def test_a_short_curve_is_bounded_some_micrometres_beyond_its_ends(seed, count, span):
-    """A frame that speeds up from rest begins a little before its path, also if the path has 2 mm."""
+    """A frame that accelerates from rest begins slightly before its path. This is also proved for a path of 2
+    mm.
+    """
     rng = np.random.default_rng(seed)
     poses = [pose(np.zeros(3), Rotation.random(random_state=seed % 1000).as_matrix())]
     for _ in range(count - 1):

@@ -1,4 +1,6 @@
-"""The proofs of whole commands against dense sampling: never below the truth, and not far above it."""
+"""Tests of the bounds of whole commands by dense sampling: they are never below the truth, and not far above
+it.
+"""
 
 from dataclasses import replace
 from functools import cache
@@ -39,7 +41,7 @@ Q0 = np.array([10, 20, -30, 40, 50, -60]) * DEG
 
 
 def judged(robot, start, motion, points, tm, witnesses=None):
-    """The certificate of a program of one command, printed with nine decimals."""
+    """Return the certificate of a program with one command, printed with nine decimals."""
     job = Job(motion, points, tm)
     result = certify(
         emit(robot, start, [job]), program(start, [job]), robot, TOLERANCE, Claims(witnesses or {})
@@ -57,7 +59,7 @@ def as_printed(robot, q):
 
 @cache
 def lines():
-    """Some Cartesian lines: n, TM, way, axis, angle, move lines, goal."""
+    """Return some Cartesian lines: n, TM, way, axis, angle, move lines, goal."""
     robot, made = industrial6(), []
     for n, tm, way, axis, angle in (
         (24, "50", (0.1, 0.05, -0.08), (1, 2, 3), 0.3),
@@ -72,7 +74,10 @@ def lines():
 
 
 def line_truth(robot, points, h, way, axis, angle):
-    """Dense sampling: least position and angle from the path, and both at the best common parameter."""
+    """Return the true deviations from the path, by dense sampling. The first two are the deviations of
+    position and angle, each at its own best path parameter; the other two are those at the best common
+    parameter.
+    """
     _, q, *_ = sample(as_printed(robot, Q0), as_printed(robot, points), h)
     poses = tool_poses(robot.chain, q, FLANGE_FROM_TCP)
     start = poses[0]
@@ -115,13 +120,13 @@ def test_planned_lines():
         assert least[1] - 1e-12 <= bound.angle <= 1.5 * truth[1] + SLACK[1]
         assert bound.remainder_position <= 0.021 * TOLERANCE.position
         assert bound.remainder_angle <= 0.041 * TOLERANCE.angle
-        assert truth[0] < TOLERANCE.position  # so that the bench's own planner is worth judging
+        assert truth[0] < TOLERANCE.position  # the tests' planner is good enough
 
 
 @settings(max_examples=40, deadline=None)
 @given(seeds, st.integers(0, 4), st.floats(-7, -2.5), st.booleans())
 def test_lines_with_points_moved(seed, which, size, single):
-    """One control point or all of them off by up to 10**size rad."""
+    """One control point, or all of them, are moved by up to 10**size rad."""
     robot = industrial6()
     rng = np.random.default_rng(seed)
     n, tm, way, axis, angle, points, goal = lines()[which]
@@ -135,14 +140,17 @@ def test_lines_with_points_moved(seed, which, size, single):
     assert bound.position >= least[0] - 1e-12
     assert bound.angle >= least[1] - 1e-12
     if single and size < -4:
-        # an error of the size of a tolerance: the bound stays near it, and near the path's own parameter
+        # If the error is about as large as a tolerance, the bound stays near the true deviation, at the best
+        # path parameter for position and angle separately.
         assert bound.position <= 2.0 * truth[0] + SLACK[0]
         assert bound.angle <= 2.0 * truth[1] + SLACK[1]
 
 
 @pytest.mark.parametrize("back", [0.0, 0.4])
 def test_line_that_runs_back_is_as_far_off_as_it_runs_back(back):
-    """Every point is on the line, yet the frame goes to and fro."""
+    """All points are on the line, but the frame moves backwards in between. The deviation is the distance of
+    this backward motion.
+    """
     robot = railed()
     start = np.zeros(5)
     goal = np.array([0.6, 0, 0, 0, 0])
@@ -175,7 +183,7 @@ def test_joint_motion_that_runs_back(back):
 
 
 def test_the_programmed_turn_takes_part_in_the_remainder():
-    """Only joint 6 turns: arm and path have the same fourth derivative, and both must be counted."""
+    """If only joint 6 turns, arm and path have the same fourth derivative, and both must be counted."""
     robot = industrial6()
     start, goal = np.zeros(6), np.array([0, 0, 0, 0, 0, 0.5])
     points = joint_points(start, goal, 60)
@@ -224,7 +232,9 @@ def test_prismatic_joints_take_part_in_the_remainder():
 
 
 def nearest(curve, q, weights, rounds=10):
-    """For each row of q: the least weighted maximum distance from curve(s), s in [0, 1], by zooming in."""
+    """Return the weighted distance of each row of q (the maximum over the joints) from the nearest point of
+    curve(s), with s in [0, 1]. The nearest point is found by zooming in.
+    """
     grid = np.linspace(0, 1, 2001)
     table = curve(grid)
     far = np.array([np.abs((table - row) * weights).max(axis=1).argmin() for row in q])
@@ -276,7 +286,7 @@ def test_joint_lines(seed, n, size, smooth):
 SPLINES = {
     "bend": [[20, 10, 5, -20, 10, 0], [-5, 20, 15, 10, -10, 30]],
     "there and back": [[15, 15, 15, 15, 15, 15], [0, 0, 0, 0, 0, 0]],
-    "one way-point": [[10, -5, 5, 0, 20, 9]],
+    "one waypoint": [[10, -5, 5, 0, 20, 9]],
     "uneven": [[1, 0, 0, 0, 0, 0], [20, 10, 0, 5, 0, 0], [20, 10, 0.5, 5, 0, 0], [20, -5, 3, 0, 8, 40]],
     "doubled": [[20, 10, 5, -20, 10, 0], [20, 10, 5, -20, 10, 0], [-5, 20, 15, 10, -10, 30]],
 }
@@ -315,7 +325,7 @@ def test_spline_that_leaves_out_a_waypoint():
     assert deviation.end_angle < 1e-8
 
 
-# the whole
+# whole programs
 
 
 @pytest.mark.parametrize("target", ["rotary", "prog"])
@@ -357,7 +367,7 @@ def test_json_is_plain_and_in_units():
     assert data["commands"][2]["segment_time_ms"] == 50.0
     assert np.isclose(data["commands"][3]["segment_time_ms"], 47.5)
     assert data["loads"]["velocity"]["name"] == certificate.worst("velocity").name
-    # what can't be proved is null, not a number
+    # A value that can't be proved is null.
     unproved = certify(case.text(), case.program, case.robot, TOLERANCE).value.to_json()
     assert unproved["deviation"]["angle_deg"] is None
     assert json.dumps(unproved, allow_nan=False)
@@ -392,7 +402,9 @@ def test_a_motion_that_goes_nowhere_needs_no_lines():
 
 
 def test_half_a_turn_the_wrong_way_round_is_found():
-    """170 deg one way instead of 190 the other: the path is the short one."""
+    """A turn of 190 deg is executed as 170 deg in the other direction, which is the shorter path. This is
+    found.
+    """
     robot = industrial6()
     tool = np.eye(4)
     start = np.zeros(6)
@@ -408,7 +420,9 @@ def test_half_a_turn_the_wrong_way_round_is_found():
 
 
 def test_a_tolerance_of_its_own_is_that_of_the_moving_frame():
-    """Of a joint motion as well: the joints' deviations, each times its reach."""
+    """A tolerance in the program is one of the moving frame, also for a joint motion: each joint's deviation
+    is multiplied by its reach.
+    """
     robot = industrial6()
     goal = Q0 + np.array([20, 10, 5, -20, 10, 0]) * DEG
     points = joint_points(Q0, goal, 60)

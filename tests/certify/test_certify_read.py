@@ -1,4 +1,6 @@
-"""The reader takes what the emitter writes, number by number, and refuses anything else with its line."""
+"""Tests of the reader: it reads texts of the emitter, number by number, and refuses all other texts at a
+line.
+"""
 
 import re
 
@@ -60,7 +62,7 @@ def test_the_guard_compares_with_a_number(form, value):
         assert own_of(text).guard.place[2] == value
 
 
-REFUSED = [  # target, line as it begins, what it becomes (None: left out)
+REFUSED = [  # target, beginning of a line, its replacement (None: the line is left out)
     ("rotary", "; target", "; target tape"),
     ("rotary", "; target", None),
     ("rotary", "; command 3", "; command three"),
@@ -122,7 +124,7 @@ REFUSED = [  # target, line as it begins, what it becomes (None: left out)
 @pytest.mark.parametrize(("target", "begins", "becomes"), REFUSED)
 def test_refused_lines(target, begins, becomes):
     lines = everything().text(target).split("\n")
-    # the last CLOSE, the first of everything else
+    # Change the last CLOSE, and of all other lines the first one.
     order = reversed(range(len(lines))) if begins == "CLOSE" else range(len(lines))
     place = next(
         i for i in order if lines[i].startswith(begins) and (begins != "CLOSE" or lines[i] == "CLOSE")
@@ -132,7 +134,7 @@ def test_refused_lines(target, begins, becomes):
     assert isinstance(found, Unreadable)
     assert found.code == "Y1151"
     if begins != "; target":
-        # at the line, or where the next one shows that it is missing
+        # The error is reported at the line, or at the next line if the line is missing.
         assert place + 1 <= found.line <= place + 2
     if becomes in ("R", "CLOSE\nR"):
         assert "starts the motion by itself" in found.reason
@@ -171,7 +173,7 @@ def test_refused_move_lines(becomes):
 )
 def test_segment_times_are_exact(tm, kept):
     found = read(everything().text().replace("TM47.5\n", f"TM{tm}\n"), CONTROLLER)
-    if tm == "50":  # the neighbour's: not known to end a sequence
+    if tm == "50":  # a segment time of the neighbouring sequence, which can't be distinguished
         assert isinstance(found, Unreadable)
         assert found.code == "Y1151"
     elif kept:
@@ -197,7 +199,9 @@ def test_text_of_other_kinds():
 )
 @pytest.mark.parametrize("target", ["rotary", "prog"])
 def test_characters_that_end_a_line_for_some(target, character):
-    """What is judged and what is sent would be other lines: refused by name and place."""
+    """Some programs treat these characters as line ends, so other lines would be sent than judged. They are
+    refused by name and place.
+    """
     lines = everything().text(target).split("\n")
     for place in (3, lines.index("CLOSE ALL"), len(lines) - 3):
         changed = [*lines]
@@ -210,7 +214,7 @@ def test_characters_that_end_a_line_for_some(target, character):
 
 @pytest.mark.parametrize("target", ["rotary", "prog"])
 def test_the_lines_that_are_sent_are_those_that_were_read(target):
-    """Each line of the text but its header is one of them, once and in order."""
+    """Each line of the text, except for its header, is sent once and in order."""
     whole = everything().text(target)
     text = read(whole, CONTROLLER)
     if target == "prog":
@@ -225,8 +229,8 @@ def test_the_lines_that_are_sent_are_those_that_were_read(target):
 
 
 def edited(data, text, least):
-    """Change a text at a place from `least` on: one digit, or a stretch that is cut out and anything put
-    in.
+    """Change a text at a place from `least` on: replace a digit, or replace a part of the text
+    by anything.
     """
     if data.draw(st.booleans()):
         at = data.draw(st.sampled_from([one.start() for one in re.finditer(r"\d", text[least:])])) + least
@@ -240,7 +244,7 @@ def edited(data, text, least):
 @settings(max_examples=150, deadline=None)
 @given(st.data())
 def test_never_raises(tally, data):
-    """Whatever is changed: a text or an Unreadable."""
+    """Whatever is changed, the result is a text or an Unreadable."""
     text = everything().text(data.draw(st.sampled_from(["rotary", "prog"])))
     found = read(edited(data, text, 0), CONTROLLER)
     assert isinstance(found, ControllerText | Unreadable)
@@ -252,15 +256,15 @@ def test_never_raises(tally, data):
 
 
 REMEMBERED = Recent(10_000)
-"""Of all texts below: many of their lines come again."""
+"""Cache for all texts below, many of whose lines are equal."""
 
 
 @exercises(text=0.1, refusal=0.1)
 @settings(max_examples=100, deadline=None)
 @given(st.data())
 def test_what_was_read_before_is_read_as_afresh(tally, data):
-    """Numbers, lines and refusals are the same whatever was read before, as well where a text was edited
-    in the middle of moves.
+    """Numbers, lines and refusals don't depend on texts that were read before, even if a text was changed in
+    the middle of moves.
     """
     text = everything().text()
     changed = edited(data, text, text.index("SPLINE1"))

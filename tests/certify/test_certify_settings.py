@@ -1,5 +1,5 @@
-"""The judge of the controller's settings: what yarc prints is proved for any robot, and each change of it
-is one clear finding.
+"""Tests of the judge of the controller's settings: the settings that yarc prints are proved for all robots,
+and each change of them gives one clear finding.
 """
 
 import re
@@ -27,7 +27,7 @@ def judged(text, robot):
 
 
 def the_findings(text, robot):
-    """Errors, each at a line of the text."""
+    """Return the errors. Check that each refers to a line of the text."""
     found = judged(text, robot)
     assert found.value is None
     for finding in found.diagnostics:
@@ -39,13 +39,15 @@ def the_findings(text, robot):
 
 
 def the_finding(text, robot):
-    """The only one."""
+    """Return the only error."""
     (finding,) = the_findings(text, robot)
     return finding
 
 
 def coupled():
-    """INDUSTRIAL6 with other motors, two couplings, offsets, a turned gear, and another coordinate system."""
+    """Return INDUSTRIAL6 with other motors, two couplings, offsets, a reversed gear, and another coordinate
+    system.
+    """
     robot = load_robot("INDUSTRIAL6").value
     coupling = np.eye(6)
     coupling[:3, :3] = [[1, 0.25, 0], [0.5, 1, -0.125], [0, 1, 2]]
@@ -77,7 +79,7 @@ def name(request):
     return request.param
 
 
-# what yarc prints is proved
+# the settings that yarc writes are proved
 
 
 def test_all_robots_are_proved(name):
@@ -89,7 +91,9 @@ def test_all_robots_are_proved(name):
 
 
 def test_registers_are_those_of_the_manual():
-    """TSRM 281-287: motors are $80 apart, coordinate systems $100."""
+    """Addresses agree with the manual (TSRM 281-287): those of motors differ by $80, those of coordinate
+    systems by $100.
+    """
     pointers = judged(TEXTS["coupled"], ROBOTS["coupled"]).value.content.pointers
     told = {one.variable: one.address for one in pointers}
     assert (told["M161"], told["M162"]) == ("D:$000088", "D:$00008B")
@@ -128,7 +132,7 @@ numbers = st.floats(0.1, 10.0).flatmap(lambda size: st.sampled_from([size, -size
 
 @st.composite
 def robots(draw):
-    """INDUSTRIAL6 on any drives: gears, couplings of XYZ and UVW, offsets, limits, motors, coordinate
+    """INDUSTRIAL6 with random drives: gears, couplings of XYZ and UVW, offsets, limits, motors, coordinate
     system.
     """
     robot = ROBOTS["INDUSTRIAL6"]
@@ -193,8 +197,8 @@ def test_any_drives_are_proved(robot):
 @settings(max_examples=100, deadline=None)
 @given(robots(), st.integers(0, 2**32 - 1))
 def test_plc_0_is_the_inverse_of_the_actuation(robot, seed):
-    """Evaluated in numbers, as the controller does, against `from_counts`; and the bounds that were proved
-    hold.
+    """PLC 0 is evaluated numerically, like by the controller. It agrees with `from_counts`, and the proved
+    bounds hold.
     """
     proved = judged(settings_text(robot), robot).value
     limits = robot.limits
@@ -208,21 +212,22 @@ def test_plc_0_is_the_inverse_of_the_actuation(robot, seed):
     values = [eval(told[variable], {}, names) for variable in robot.controller.feedback]
     inverse = np.abs(joints_per_count(robot)) / robot.axis_units[:, None]
     rounding = 1e-12 * inverse @ (np.abs(counts) + np.abs(robot.actuation.offset)) + 1e-9
-    # the bound is from the axis definitions as they are printed, with ten decimals, and `counts` are exact
+    # The proved bound is for the printed axis definitions, which have ten decimals. `counts` are exact, so
+    # the rounding of the definitions is added.
     rounding += inverse @ np.full(robot.size, 0.5e-10 * np.abs(q / robot.axis_units).sum())
     assert (
         np.abs(values - from_counts(robot, counts) / robot.axis_units) <= proved.feedback + rounding
     ).all()
     assert (np.abs(values - q / robot.axis_units) <= proved.feedback + rounding).all()
-    # a hundredth of a count is far below what a motor can tell apart
+    # The proved bounds are at most a hundredth of a count, far below the resolution of a motor.
     assert (np.maximum(proved.feedback, proved.commanded) <= inverse @ np.full(6, 0.01)).all()
 
 
 @settings(max_examples=100, deadline=None)
 @given(robots(), st.integers(0, 2**32 - 1))
 def test_what_is_proved_of_motors_holds(robot, seed):
-    """In numbers: limits beyond all that joints may do, rates that no joint notices too much, whatever the
-    motors do.
+    """The proved properties of motors hold numerically: the motors' limits contain all allowed joint
+    positions, and motors at their largest rates exceed no joint's rates by more than about 0.1 %.
     """
     content = judged(settings_text(robot), robot).value.content
     random, limits, controller = np.random.default_rng(seed), robot.limits, robot.controller
@@ -249,11 +254,11 @@ def test_what_is_proved_of_motors_holds(robot, seed):
             assert (np.abs(rates) <= robot.actuation.velocity * 1.00101).all()
 
 
-# each change is a finding
+# each change of the settings gets a finding
 
 
 def changed(pattern, new, count=1):
-    """A change of the first match, which must be there."""
+    """Return a change of the first match, which must exist."""
 
     def change(text):
         edited, times = re.subn(pattern, new, text, count=count, flags=re.MULTILINE)
@@ -265,7 +270,7 @@ def changed(pattern, new, count=1):
 
 
 def exchanged(one, other):
-    """Two matches of patterns in each other's place."""
+    """Return a change that swaps the first matches of two patterns."""
 
     def change(text):
         first, second = (re.search(pattern, text, re.MULTILINE)[0] for pattern in (one, other))
@@ -276,12 +281,12 @@ def exchanged(one, other):
 
 
 def digit(pattern):
-    """The last digit of the first match, another one."""
+    """Return a change of the last digit of the first match."""
     return changed(rf"({pattern})(\d)", lambda found: found[1] + str((int(found[2]) + 1) % 10))
 
 
 def times(name, factor):
-    """The value of an I-variable, times a factor."""
+    """Return a change that multiplies the value of an I-variable by a factor."""
     return changed(rf"^(I\d+{name})=(-?[\d.]+)", lambda found: f"{found[1]}={float(found[2]) * factor:.4f}")
 
 
@@ -348,7 +353,7 @@ MUTATIONS = {
     "real-time interrupt": ("Y1174", plus("I8", 1)),
     "SPLINE by TA": ("Y1174", plus("I42", 1)),
     "low mark": ("Y1175", changed(r"^I16=\d+", "I16=1")),
-    "half a line": ("Y1175", changed(r"^(I16=\d+)", r"\1.5")),
+    "an incomplete line": ("Y1175", changed(r"^(I16=\d+)", r"\1.5")),
     "no full mark": ("Y1175", changed(r"^(I16)=(\d+)(.*\nI17)=\d+", r"\1=\2\3=\2")),
     "segmentation": ("Y1174", plus(r"I5\d13", 10)),
     "kinematics in the controller": ("Y1174", plus(r"I5\d50", 1)),
@@ -409,14 +414,14 @@ MUTATIONS = {
     "another PLC": ("Y1175", changed(r"^OPEN PLC 29 CLEAR", "OPEN PLC 28 CLEAR")),
     "armed from the beginning": ("Y1175", changed(r"^P8100=0", "P8100=1")),
     "not said": ("Y1175", changed(r"^P8100=0\n", "")),
-    # what runs
+    # what is running
     "no PLCs": ("Y1175", changed(r"^I5=3", "I5=0")),
     "no background PLCs": ("Y1175", changed(r"^I5=3", "I5=1")),
     "no foreground PLCs": ("Y1175", changed(r"^I5=3", "I5=2")),
     "guard isn't enabled": ("Y1175", changed(r"^ENABLE PLC 29\n", "")),
     "feedback isn't enabled": ("Y1175", changed(r"^ENABLE PLC 0\n", "")),
     "guard is disabled": ("Y1175", changed(r"^ENABLE PLC 29", "DISABLE PLC 29")),
-    # what is added
+    # additional lines
     "an output": ("Y1170", changed(r"\Z", "M11=1\n")),
     "a jog": ("Y1170", changed(r"\Z", "#1J+\n")),
     "a jog behind the system": ("Y1170", changed(r"^(&\d+)$", r"\1\n#1J+")),
@@ -440,7 +445,7 @@ MUTATIONS = {
     "a full-width digit": ("Y1170", changed(r"^I42=0", "I42=\uff10")),
     "an Arabic digit": ("Y1170", changed(r"^I42=0", "I42=\u0660")),
     "a byte order mark": ("Y1170", lambda text: "\ufeff" + text),
-    # the whole
+    # the whole text
     "cut in a line": ("Y1170", lambda text: text[:-3]),
     "cut behind the motors": ("Y1170", lambda text: text[: text.index("I42=")]),
     "cut behind PLC 0": ("Y1175", lambda text: text[: text.index("; guard")]),
@@ -479,7 +484,7 @@ def test_a_change_is_one_finding(name, mutation):
 
 
 def columns_exchanged(text):
-    """Y and Z in all definitions."""
+    """Swap Y and Z in all axis definitions."""
     swapped = {"Y": "Z", "Z": "Y"}
     return re.sub(
         r"^#.*", lambda line: re.sub("[YZ]", lambda axis: swapped[axis[0]], line[0]), text, flags=re.MULTILINE
@@ -527,13 +532,13 @@ def test_a_line_anywhere_is_refused(name):
 
 
 SMALL_CHANGES = re.compile(r"I\d+1[3-7]=|I\d+(19|2[0-2])=|I1[67]=")
-"""Limits within two counts, rates within 0.1 %, times of RAPID's ramps, more lines for the guard: proved
-with another digit, too.
+"""Settings in which another digit may still be proved: limits within two counts, rates within 0.1 %, ramp
+times of RAPID, more lines for the guard PLC.
 """
 
 
 def is_the_same(line, robot):
-    """Whether an assignment of PLC 0 still computes its joint, to a hundredth of a count."""
+    """Return True if an assignment of PLC 0 still computes its joint, to a hundredth of a count."""
     name, _, expression = line.partition("=")
     joint = robot.controller.feedback.index(name)
     names = {f"I{motor}08": 1 for motor in robot.controller.motors}
@@ -547,7 +552,7 @@ def is_the_same(line, robot):
 
 
 def test_each_other_digit_is_one_finding_or_is_proved(name):
-    """Every second digit of each line."""
+    """Each second digit of each line is changed. The change gives one finding, or is proved."""
     robot, lines = ROBOTS[name], lines_of(TEXTS[name])
     random = np.random.default_rng(6)
     for at, line in enumerate(lines[2:], 2):
@@ -565,7 +570,9 @@ def test_each_other_digit_is_one_finding_or_is_proved(name):
 @settings(max_examples=300, deadline=None)
 @given(st.sampled_from(sorted(TEXTS)), st.data())
 def test_garbage_is_never_an_exception(name, data):
-    """Pieces of the text are cut, doubled, exchanged, and have characters put in."""
+    """Parts of the text are deleted, duplicated or swapped, and characters are inserted. No exception is
+    raised.
+    """
     text = TEXTS[name]
     for _ in range(data.draw(st.integers(1, 4))):
         begin = data.draw(st.integers(0, len(text)))
@@ -587,11 +594,11 @@ def test_hostile_lines_take_no_time(name):
         the_finding(changed(r"^(#\d+->.*|P\d+=.*)$", line)(TEXTS[name]), ROBOTS[name])
 
 
-# mutants of the writer
+# errors in the writer
 
 
 def off_by(function, change):
-    """The function of the writer, with its result changed."""
+    """Return a function of the writer whose result is changed."""
     return lambda *arguments: change(function(*arguments))
 
 
@@ -657,14 +664,16 @@ def test_a_wrong_writer_is_refused(monkeypatch, mutant):
     [("i10", 3713706), ("i8", 1), ("hold_time", 0.5), ("ixx08", 96), ("coordinate_system", 4)],
 )
 def test_settings_of_another_controller_are_refused(field, value):
-    """The fingerprint alone isn't trusted."""
+    """Settings of another controller are refused, even if the fingerprint is the same."""
     robot = ROBOTS["coupled"]
     other = replace(robot, controller=replace(robot.controller, **{field: value}), written=None)
     assert judged(settings_text(other), robot).value is None
 
 
 def test_what_a_controller_cannot_do_is_refused():
-    """A hold that Isx95 can't give; positions that a register can't hold; a J that can't be inverted."""
+    """A hold that is too slow for Isx95, positions that are too large for a register, and a J that can't be
+    inverted.
+    """
     robot = ROBOTS["INDUSTRIAL6"]
     slow = replace(robot, controller=replace(robot.controller, hold_time=8000.0))
     assert "a hold takes" in judged(settings_text(slow), slow).diagnostics[-1].message

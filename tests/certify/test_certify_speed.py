@@ -1,5 +1,5 @@
-"""How fast the moving frame goes: bounds against dense sampling, a programmed speed that is kept, and ones
-that aren't.
+"""Tests of the moving frame's speed: bounds compared with dense sampling, programmed speeds that are kept,
+and ones that aren't.
 """
 
 import json
@@ -45,7 +45,7 @@ def judge(job, **robot_changes):
 
 
 def true_speeds(points, h=H, per_segment=60):
-    """Densely: of the origin [m/s] and of the turn [rad/s]."""
+    """Return densely sampled speeds of the origin [m/s] and of the rotation [rad/s]."""
     _, q, v, *_ = sample(Q0, points, h, per_segment)
     _, jacobians = poses_and_jacobians(industrial6().chain, q, FLANGE_FROM_TCP)
     twist = np.einsum("nij,nj->ni", jacobians, v)
@@ -67,7 +67,7 @@ def straight(speed, n=60, way=WAY, rotvec=(0, 0, 0), law=None):
 
 
 def cruise(n=60, length=None):
-    """The cruise speed of the tests' law."""
+    """Return the cruise speed of the tests' law."""
     length = np.linalg.norm(WAY) if length is None else length
     return np.diff(grid_law(n)).max() * length / H
 
@@ -86,8 +86,8 @@ def test_a_speed_that_is_kept():
     assert np.isclose(data["programmed_mm_s"], speed * 1e3)
     assert np.isclose(data["cruise_least_mm_s"], speed * 1e3, rtol=1e-3)
     for share, word in (
-        (0.998, "% of the speed that is allowed"),
-        (1.002, "never goes at its speed: at most"),
+        (0.998, "% of its allowed speed"),
+        (1.002, "never reaches its speed, but at most"),
     ):
         result = judge(straight(hir.Reading(speed * share, None))[0])
         assert codes(result) == ["Y1167"]
@@ -108,7 +108,9 @@ def test_a_speed_that_falls_between_the_ramps():
 
 
 def test_a_speed_that_is_reached_for_an_instant():
-    """On a way too short for a cruise: no piece of it is wholly at the speed."""
+    """On a path that is too short for a cruise, the speed is reached only for an instant, and over no whole
+    piece of the path.
+    """
     rate = np.sin(np.pi * np.arange(1, 60) / 60) ** 8
     law = np.r_[0, 0, 0, np.cumsum(rate) / rate.sum(), 1, 1]
     speed = true_speeds(straight(None, law=law)[0].points)[0].max()
@@ -127,12 +129,29 @@ def test_a_pure_turn_has_an_angular_speed():
     assert "largest_deg_s" in found.to_json()
     wrong = straight(hir.Reading(None, speed * 1.002), way=(0, 0, 0), rotvec=(0.0, 0.36, 0.48))[0]
     assert codes(judge(wrong)) == ["Y1167"]
-    # as a length it isn't programmed at all
+    # A speed as a length doesn't apply to a pure rotation.
     assert codes(judge(straight(hir.Reading(0.3, None), way=(0, 0, 0), rotvec=(0.0, 0.36, 0.48))[0])) == []
 
 
+def test_a_turn_whose_origin_moves_only_by_rounding_has_an_angular_speed():
+    """If the origin moves by less than 1 um, the judge uses the angular speed, otherwise the speed of the
+    origin.
+    """
+    speed = cruise(length=0.6)
+
+    def judged(way, asked):
+        return judge(straight(asked, way=(way, 0, 0), rotvec=(0.0, 0.36, 0.48))[0])
+
+    for way, turns in ((4e-8, True), (9.9e-7, True), (1.01e-6, False)):
+        result = judged(way, hir.Reading(0.3, speed))
+        assert codes(result) == ([] if turns else ["Y1167"])
+        assert result.value.commands[0].tool_speed.turns == turns
+    assert codes(judged(4e-8, hir.Reading(0.3, 1.002 * speed))) == ["Y1167"]
+    assert codes(judged(4e-8, hir.Reading(0.3, 0.998 * speed))) == ["Y1167"]
+
+
 def test_an_arc_at_a_speed():
-    """Where the direction turns by much on a segment: the bounds stay sharp."""
+    """The bounds are sharp on an arc, even if the direction changes much within a segment."""
     goal = moved(START, np.array([0.03, 0.0, 0.02]), np.zeros(3))
     via = START[:3, 3] + np.array([0.02, 0.03, -0.02])
     path = lambda s: arc_poses(START, via, goal, s)  # noqa: E731
@@ -158,12 +177,14 @@ def test_no_sample_is_faster(seed, size, h):
     found = judge(Job(motion, points, str(h * 1e3))).value.commands[0].tool_speed
     true = true_speeds(np.round(points / DEG, 9) * DEG, h)[0].max()
     assert true * (1 - 1e-9) <= found.largest
-    if size < -5:  # with more noise the speed changes too much within a segment for bounds to be sharp
+    if size < -5:  # with more noise, the speed changes too much within a segment for sharp bounds
         assert found.largest <= true * 1.01
 
 
 def test_speeds_in_a_chain():
-    """In a blend the larger of both speeds is allowed; a motion that is all blends keeps none."""
+    """In a blend, the larger of the two motions' speeds is allowed. A motion that consists only of blends
+    need not reach its speed.
+    """
     middle, goal = moved(START, WAY, np.zeros(3)), moved(START, WAY + np.array([0, 0.1, 0.1]), np.zeros(3))
     lengths = np.linalg.norm(WAY), np.linalg.norm([0, 0.1, 0.1])
     legs = [line(0, START, middle, 60, hir.Reading(0.05, None)), line(1, middle, goal, 50)]
@@ -195,7 +216,7 @@ def test_a_time_optimal_motion_isnt_judged_by_its_jerk():
     slack = replace(robot.limits, jerk=np.full(6, 1.0))
     goal = Q0 + np.array([10, 0, 5, 0, 0, 20]) * DEG
     points = joint_points(Q0, goal, 60)
-    # what a law is called says nothing: the map claims that its jerk has no limit, and the program must agree
+    # The name of a law doesn't matter: the map claims that its jerk has no limit, and the program must agree.
     for profile, free, found in (("LSPB", False, ["Y1157"]), ("TOPP", False, ["Y1157"]), ("ANY", True, [])):
         job = Job(hir.JointMove(origin(0), hir.JointGoal(goal), profile, TIMING), points, any_jerk=free)
         result = judge(job, limits=slack)
@@ -204,10 +225,10 @@ def test_a_time_optimal_motion_isnt_judged_by_its_jerk():
         assert command.jerk.share > 1.0
         assert command.jerk_judged == (not free)
         assert command.to_json()["jerk_judged"] == command.jerk_judged
-    # its other limits are
+    # The other limits of the motion are judged.
     tight = replace(robot.limits, acceleration=np.full(6, 0.01))
     assert codes(judge(job, limits=tight)) == ["Y1157"]
-    # a map that claims it of a law that has a limit
+    # A map that claims this for a law whose jerk has a limit is refused.
     claimed = certify(emit(robot, Q0, [job]), program(Q0, [job]), robot, TOLERANCE)
     assert codes(claimed) == ["Y1153"]
     assert "its jerk has no limit" in claimed.diagnostics[0].message
@@ -215,7 +236,7 @@ def test_a_time_optimal_motion_isnt_judged_by_its_jerk():
 
 @pytest.mark.parametrize("order", [("TOPP", "LSPB"), ("LSPB", "TOPP")])
 def test_a_blend_with_a_time_optimal_motion(order):
-    """The blend's jerk isn't judged on either side; that of the rest of the other motion is."""
+    """The jerk of the blend isn't judged for either motion. The jerk of the rest of the other motion is."""
     from tests.certify.test_certify_blends import GOALS, joint_chain
 
     _, jobs = joint_chain()
@@ -230,7 +251,8 @@ def test_a_blend_with_a_time_optimal_motion(order):
     assert len(GOALS) == 3
     plain = certify(emit(robot, Q0, jobs), program(Q0, jobs), robot, TOLERANCE, claims)
     assert codes(plain) == []
-    # a limit that only the ramps at rest and in blends break
+    # Here the jerk limit is so low that ramps and blends exceed it. Only motions whose jerk is judged have a
+    # finding.
     tight = replace(robot, limits=replace(robot.limits, jerk=robot.limits.jerk * 1e-3), written=None)
     result = certify(emit(tight, Q0, jobs), program(Q0, jobs), tight, TOLERANCE, claims)
     judged = [k for k, profile in enumerate(profiles) if profile != "TOPP"]
@@ -241,7 +263,9 @@ def test_a_blend_with_a_time_optimal_motion(order):
 
 
 def test_a_target_that_is_given_twice_has_no_speed():
-    """Tool paths from CAM have such targets: the robot stands there already, and goes on."""
+    """A target that comes twice, as in tool paths from CAM, has no speed. The robot is already there, and
+    continues.
+    """
     lines = ["DEFAULT {TCP} [V 50] (mm,deg,s) {B}", "P0010 MOVEJ_RPY 40 1000 1000 0 0 0 [3]"]
     for number, x in enumerate([60, 60, 80, 80, 80, 100]):
         lines.append(f"P{number + 2:03d}0 MOVEL {x} 1000 1000 0 0 0 BLEND 0.3")

@@ -1,5 +1,5 @@
-"""Corners that may not be left at all (BLEND 0): the whole chain is on both paths, wherever between knots
-it passes the corner.
+"""Tests of corners that the motion must not leave at all (BLEND 0): the chain is on both paths, even if it
+passes the corner between two knots.
 """
 
 import itertools
@@ -31,8 +31,8 @@ WAY = np.array([0.1, 0.02, 0.0])
 
 
 def one_law(paths, lengths, n):
-    """A chain with one law over the joined paths: the corners are passed at any instant; each leg's
-    segments end at the nearest knot.
+    """Return a chain with one law over the joined paths, so that corners are passed at any instant. Each leg
+    ends at the nearest knot.
     """
     from tests.certify.certify_bench import grid_law
 
@@ -73,7 +73,7 @@ def test_lines_in_one_line(share, overlap):
 
 
 def test_an_arc_that_flows_into_a_line():
-    """Where it ends, along its tangent: C1, and the curvature jumps there, with a short blend in time."""
+    """An arc flows into a line along its tangent. Only the curvature jumps, with a short blend in time."""
     robot = industrial6()
     radius, x, y = 0.06, np.array([1.0, 0, 0]), np.array([0, 0.8, 0.6])
 
@@ -85,12 +85,12 @@ def test_an_arc_that_flows_into_a_line():
     goal = moved(end, 0.05 * tangent, np.zeros(3))
     arc = hir.ArcMove(origin(0, "MOVEC"), via, hir.PoseGoal(end, FLANGE_FROM_TCP), "LSPB", TIMING, blend=ZERO)
     legs = [Leg(arc, lambda s: arc_poses(START, via, end, s), 0), line(1, end, goal, 0)]
-    # slow enough for the jump of the curvature to stay within the tolerance
+    # The speed is low enough for the jump of the curvature to stay within the tolerance.
     chain = one_law([leg.path for leg in legs], [radius * 0.9, 0.05], 160)
     chain.overlaps.append(0)
     jobs = chain.jobs(legs)
     assert codes(judge(robot, Q0, jobs)) == []
-    # a line that goes on at an angle isn't on both paths
+    # At a line at an angle to the tangent, the text can't be on both paths.
     for angle, found in ((1e-5, []), (0.01, ["Y1159", "Y1160"])):
         bent = moved(end, 0.05 * (np.cos(angle) * tangent + np.sin(angle) * np.cross(x, y)), np.zeros(3))
         other = [legs[0], line(1, end, bent, 0)]
@@ -113,7 +113,7 @@ def test_joint_motions_in_one_line():
         assert codes(judge(robot, Q0, jobs)) == []
         bad = edited(jobs, 0, 15, 4e-3 * DEG * np.array([0, 0, 1, 0, 0, -1]))
         assert codes(judge(robot, Q0, bad)) == ["Y1159"]
-        # a corner that isn't on the way
+        # The text is refused if the program's corner isn't on the path.
         away = hir.JointGoal(Q0 + share * way + 0.01 * DEG * np.array([0, 0, 1, 0, 0, -1]))
         other = [*jobs]
         from dataclasses import replace
@@ -123,7 +123,7 @@ def test_joint_motions_in_one_line():
 
 
 def test_many_corners_in_one_line():
-    """One of them of two segments."""
+    """One of the legs has only two segments."""
     robot = industrial6()
     shares = [0.0, 0.3, 0.475, 0.515, 0.75, 1.0]
     poses = [moved(START, WAY * share, np.zeros(3)) for share in shares]

@@ -1,5 +1,5 @@
-"""How far a text is from a timetable at the same time: never below what dense sampling finds, hardly above
-it; and what isn't the table's is found.
+"""Tests of the deviation of a text from a timetable at equal times. The bound is never below dense samples
+and hardly above them, and texts that differ from the table are refused.
 """
 
 import tracemalloc
@@ -32,7 +32,7 @@ KINDS = ("positions", "velocities", "accelerations")
 
 
 def table_of(kind, *, begins=False, start=START, seed=3):
-    """A table of a gentle motion from `start`, and its path as another library makes it."""
+    """Return a table of a gentle motion from `start`, and its path by another library."""
     random = np.random.default_rng(seed)
     times = np.concatenate(([0.0], TIMES))
     shape = CubicSpline(
@@ -62,7 +62,7 @@ def timed(table, within=1e-4, stretch=1.0):
 
 
 def executed(path, duration, segments):
-    """Move lines through the path at nearly all knots."""
+    """Return move lines through the path at nearly all knots."""
     return inverted(path(np.linspace(0.0, duration, segments + 1)))
 
 
@@ -98,7 +98,7 @@ def test_the_bound_is_never_below_the_truth_and_close_to_it(kind, segments, tm):
     t, q, *_ = sample(START, points, float(tm) * 1e-3, per_segment=40)
     truth = np.abs(q - path(t)).max()
     assert truth - 1e-10 <= deviation.angle <= 4.0 * truth
-    # where more than is allowed is found, intervals are halved, and the bound is close
+    # If the tolerance is exceeded, intervals are halved, so the bound becomes close.
     near = proved(timed(table, within=1.02 * truth), points, tm)
     assert near.value.commands[0].deviation.angle <= 1.02 * truth + 1e-9
     assert "Y1159" not in codes(near)
@@ -199,7 +199,9 @@ def test_sliding_joints_are_held_to_lengths():
 
 
 def test_a_long_text_that_is_far_away_costs_no_more_memory():
-    """What is beyond at a border already isn't divided any further."""
+    """If the deviation is too large already at the border of an interval, the interval isn't divided any
+    further.
+    """
     rows = 3000
     times = np.arange(1, rows + 1) * 0.1
     table = hir.Timetable(times, np.sin(times)[:, None] * np.ones(6), None, None)

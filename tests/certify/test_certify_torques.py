@@ -1,5 +1,5 @@
-"""Torques along a text: the bounds between instants hold, and the findings name the joint, the place,
-gravity's part and a time that works.
+"""Tests of torques along a text: the bounds between instants hold, and findings name the joint, the position,
+the part of gravity, and a sufficient time.
 """
 
 import json
@@ -29,7 +29,7 @@ SEEDS = st.integers(0, 2**32 - 1)
 @settings(max_examples=60, deadline=None)
 @given(SEEDS, st.integers(1, 7), st.floats(0.05, 3.0))
 def test_no_torque_bends_more(seed, size, pace):
-    """Second differences along pieces of constant jerk are never above the bound."""
+    """The second differences of the torques on segments of constant jerk are never above the bound."""
     arm = heavy(seed, size, (tool(),))
     random = np.random.default_rng(seed)
     x, v, a, j = (
@@ -52,14 +52,14 @@ def test_no_torque_bends_more(seed, size, pace):
 
 @pytest.fixture(scope="module")
 def ur5(tmp_path_factory):
-    """UR5's own masses and efforts."""
+    """Fixture: UR5 with its own masses and efforts."""
     robot = made(DATA / REAL["ur5"][0], tmp_path_factory.mktemp("torques") / "ur5")
     text = (robot.folder / "robot.toml").read_text()
     return robot, text
 
 
 def with_effort(tmp_path, ur5, joint="shoulder_lift_joint", effort=None, more=""):
-    """A copy of the robot with another effort."""
+    """Return a copy of the robot with another effort."""
     import shutil
 
     robot, text = ur5
@@ -72,7 +72,7 @@ def with_effort(tmp_path, ur5, joint="shoulder_lift_joint", effort=None, more=""
 
 
 def pinocchio_peaks(folder, plan, robot):
-    """The largest torques (n,) of a plan in very many instants."""
+    """Return the largest torques (n,) of a plan in very many instants."""
     model = pin.buildModelFromUrdf(f"{folder}/{robot.urdf}")
     data = model.createData()
     most = np.zeros(robot.size)
@@ -98,7 +98,7 @@ def test_what_is_certified_is_pinocchios(tmp_path, ur5):
 
 
 def test_a_motion_is_judged_by_itself(tmp_path, ur5):
-    """What stands before and behind it in the program makes no difference."""
+    """The torques of a motion don't depend on the motions before and after it."""
     folder = with_effort(tmp_path, ur5)
     last = "P30 MOVEJ 0 -40 30 0 0 0 [1.7] (deg,s)"
     whole = compiled(
@@ -109,7 +109,7 @@ def test_a_motion_is_judged_by_itself(tmp_path, ur5):
 
 
 def test_slower_it_works(tmp_path, ur5):
-    """The proposed time works, and one a few percent shorter doesn't."""
+    """The proposed time is sufficient, and a time that is a few percent shorter isn't."""
     program = "START 0 -90 0 0 0 0 (deg)\nP10 MOVEJ 0 -20 0 0 0 0 [{}] (deg,s)"
     quick = compiled(program.format("0.9"), with_effort(tmp_path, ur5))[0].certificate.commands[0].torque
     effort = quick.share * 150 * 0.97
@@ -121,7 +121,7 @@ def test_slower_it_works(tmp_path, ur5):
         finding.message,
     )
     assert float(shown[1]) == pytest.approx(quick.share * 150, rel=2 * REMAINDER)
-    assert "would hold the arm where it is" in finding.message
+    assert "hold the arm against gravity" in finding.message
     time = float(finding.fix.edits[0].text.strip("[]"))
     assert 0.9 < time < 1.0
     assert codes(compiled(program.format(time), folder)[1]) == []
@@ -166,7 +166,7 @@ def test_what_flows_together_takes_longer_together(tmp_path, ur5):
 
 
 def test_told_everywhere(tmp_path, ur5):
-    """In the table, the JSON and the inspection; and in a text without its source."""
+    """Torques are reported in the table, the JSON and the inspection, and for a text without its source."""
     program = tmp_path / "a.yarc"
     program.write_text(f'ROBOT "{with_effort(tmp_path, ur5)}"\nP10 MOVEJ 40 -90 60 0 20 0 [3] (deg,s)\n')
     told = CliRunner().invoke(yarcc, [str(program), "--certificate", str(tmp_path / "c.json")])

@@ -1,4 +1,6 @@
-"""Every kind of violation is found when a good text is changed: at its command, with its figures."""
+"""Tests of all kinds of violations: when a correct text is changed, the violation is found at its command,
+with its figures.
+"""
 
 from dataclasses import replace
 
@@ -39,7 +41,7 @@ def codes(result):
 
 
 def with_points(step, change):
-    """The text after a change of one command's points."""
+    """Return the text after a change of one command's points."""
     case = everything()
     jobs = [*case.jobs]
     jobs[step] = replace(jobs[step], points=change(jobs[step].points.copy()))
@@ -53,7 +55,7 @@ def moves(text):
 
 @pytest.mark.parametrize("step", range(8))
 def test_a_point_that_is_moved(step):
-    """0.03 deg of the elbow: half a millimetre at the tool."""
+    """The elbow is moved by 0.03 deg, which is half a millimetre at the tool."""
 
     def move(points):
         points[len(points) // 2, 2] += 0.03 * DEG
@@ -69,7 +71,7 @@ def test_a_point_that_is_moved(step):
         assert 1e-4 < deviation.position < 1e-3
     else:
         assert 0.01 * DEG < deviation.angle < 0.06 * DEG
-    # the others stay as they were
+    # The other commands have the same deviations as before.
     good = judge(everything().text()).value
     assert [c.deviation for i, c in enumerate(result.value.commands) if i != step] == [
         c.deviation for i, c in enumerate(good.commands) if i != step
@@ -78,7 +80,7 @@ def test_a_point_that_is_moved(step):
 
 @pytest.mark.parametrize("target", ["rotary", "prog"])
 def test_a_digit_that_is_changed(target):
-    """The same in the text itself, in both targets."""
+    """A number is changed in the text itself, for both targets."""
     lines, places = moves(everything().text(target))
     at = places[40]
     head, tail = lines[at].split("Y")
@@ -90,8 +92,11 @@ def test_another_segment_time():
     text = everything().text()
     result = judge(text.replace("TM47.5\n", "TM47.25\n"))
     assert codes(result) == ["Y1156"]
-    assert result.diagnostics[0].message.endswith("takes 1.134 s (24 segments), programmed are 1.14 s")
-    # half a step of 1/4096 ms a segment is rounding
+    assert result.diagnostics[0].message.endswith(
+        "takes 1.134 s (24 segments) instead of the programmed 1.14 s"
+    )
+    # The times are steps of 1/4096 ms. For each segment, half a step counts as rounding, and a whole step
+    # doesn't.
     assert codes(judge(text.replace("TM47.5\n", "TM47.500244140625\n"))) == ["Y1156"]
     motion = everything().jobs[3].motion
     for off, found in ((24 / 8192e3, []), (24 / 8192e3 + 3e-9, ["Y1156"])):
@@ -99,7 +104,7 @@ def test_another_segment_time():
         steps[3] = replace(motion, timing=hir.Timing(1.14 + off))
         changed = hir.Program(everything().program.source, everything().start, tuple(steps))
         assert codes(judge(text, program=changed)) == found
-    # faster by the whole, no duration programmed: the limits remain
+    # The whole text is faster. If no duration is programmed, the limits are still exceeded.
     short = text.replace("TM50\n", "TM12.5\n")
     assert {"Y1157", "Y1156"} <= set(codes(judge(short)))
 
@@ -121,7 +126,7 @@ def test_a_line_dropped_or_doubled(step, doubled):
     result = judge("\n".join(lines))
     assert codes(result) == ["Y1153"]
     assert result.value is None
-    # also where the map goes along with it
+    # a left-out or doubled point is also found if the map's line numbers are adjusted
 
     def change(points):
         return np.insert(points, 10, points[10], axis=0) if doubled else np.delete(points, 10, axis=0)
@@ -170,7 +175,7 @@ def test_a_map_of_other_lines():
         assert codes(judge(text.replace(old, new))) == ["Y1153"]
     first, last = place[7].lines
     assert codes(judge(text.replace(f" {first} {last}\n", " - -\n"))) == ["Y1153"]
-    # over the border between two sequences
+    # The command would extend over the border between two sequences.
     joined = text.replace(f" {place[2].lines[1]}\n", f" {place[3].lines[1]}\n")
     assert codes(judge(joined)) == ["Y1153"]
 
@@ -198,14 +203,14 @@ def test_another_start(target):
 
 
 def test_a_guard_that_is_too_wide():
-    """0.05 of 240 deg/s2 in 50 ms are 0.03 deg: 766 counts of motor 1; motor 2 moves joints 2 and 3."""
+    """0.05 of 240 deg/s^2 in 50 ms are 0.03 deg, or 766 counts of motor 1. Motor 2 moves joints 2 and 3."""
     text = everything().text("prog")
     for motor, counts, found in ((1, 765, []), (1, 767, ["Y1154"]), (3, 870, []), (3, 890, ["Y1154"])):
         wide = [
             line.replace(">3072", f">{counts * 3072}") if line.startswith(f"IF(ABS(M{motor}61") else line
             for line in text.split("\n")
         ]
-        # motor 2's own count turns joint 3 too, against motor 3's
+        # A count of motor 2 also turns joint 3, in the opposite direction of motor 3.
         assert codes(judge("\n".join(wide))) == found
 
 
@@ -228,7 +233,8 @@ def certify_one(robot, goal, n, tm):
 def test_limits_that_are_broken_by_half_a_percent():
     robot, goal, n = industrial6(), np.array([0, 1.0, 0, 0, 0, 0]), 60
     for share in (0.995, 1.0 - 1e-9, 1.005):
-        # the segment time decides which limit is the near one: velocity goes with 1/TM, jerk with its cube
+        # The segment time determines which limit is reached first: velocity is proportional to 1/TM, jerk to
+        # its cube.
         for quantity, tm in (("velocity", "50"), ("acceleration", "50"), ("jerk", "25")):
             values = getattr(robot.limits, quantity)
             slack = replace(
@@ -254,7 +260,7 @@ def test_limits_that_are_broken_by_half_a_percent():
 
 
 def test_motor_limit_where_no_joint_limit_is_broken():
-    """Motor 3 follows joints 2 and 3: at 90 % of both it is beyond its own limit."""
+    """Motor 3 follows joints 2 and 3. At 90 % of both joints' limits, it exceeds its own limit."""
     robot = industrial6()
     goal = np.array([0, 1.0, 1.0, 0, 0, 0])
     used = certify_one(robot, goal, 60, "50").value.commands[0].motor_velocity
@@ -275,7 +281,7 @@ def test_position_limits():
         result = certify_one(robot, goal, 100, "50")
         assert codes(result) == found
     assert "J2" in result.diagnostics[0].message
-    assert "1e-06 deg past its limit" in result.diagnostics[0].message
+    assert "exceeds its limit by 1e-06 deg" in result.diagnostics[0].message
     assert result.value.commands[0].position.name == "J2"
     endless = replace(
         robot, limits=replace(robot.limits, lower=np.full(6, -np.inf), upper=np.full(6, np.inf))
@@ -289,7 +295,9 @@ def test_position_limits():
 
 @pytest.mark.parametrize("step", [2, 4, 5])
 def test_an_end_that_is_off(step):
-    """By 0.05 mm along the base's z: found; by 0.01 mm: within the tolerance, and counted."""
+    """An end that is off by 0.05 mm along the base's z is found. An error of 0.01 mm is within the tolerance,
+    and counted.
+    """
     case = everything()
     end = case.jobs[step].points[-1]
     _, jacobian = poses_and_jacobians(case.robot.chain, end[None], FLANGE_FROM_TCP)
@@ -316,7 +324,7 @@ def test_claims_about_waypoints():
         moved = good.copy()
         moved[row, 2] += off
         assert ("Y1161" in codes(judge(case.text(), witnesses={6: moved}))) == found
-    # another inverse solution of the same pose is a lawful way-point, but then the spline is another one
+    # Another inverse solution of the same pose is allowed as a waypoint, but gives another spline.
     other = good.copy()
     other[1:3, 5] += 2 * np.pi
     assert "Y1161" not in codes(judge(case.text(), witnesses={6: other}))

@@ -1,5 +1,5 @@
-"""Zones from the text of a cell to the finding or the certificate: what breaks them is refused, and plans
-keep to slow ones.
+"""Tests of zones, from the text of a cell to the finding or the certificate: violations are refused, and
+plans respect slow zones.
 """
 
 import json
@@ -50,34 +50,34 @@ def with_cell(tmp_path, cell, program, robot="INDUSTRIAL6", head=HEAD):
                 "frame": "B"},
             "P0010 DMOVE 0 0 -100 0 0 0",
             "Y0907",
-            r"\{TCP\} goes [\d.]+ mm out of the zone Z, from [\d.]+ s to [\d.]+ s after its start \(\d+ % to 100 %\); worst at .* in \{B\}",  # noqa: E501
+            r"\{TCP\} is [\d.]+ mm outside of the zone Z, from [\d.]+ s to [\d.]+ s after its start \(\d+ % to 100 %\); worst at .* in \{B\}",  # noqa: E501
         ),
         (
             {"rule": "allowed", "shape": "cylinder", "radius": 900, "length": 4000, "frame": "B",
                 "watch": ["arm"]},
             "P0010 MOVEJ 20 10 -40 0 30 0",
             "Y0907",
-            r"link_6 goes [\d.]+ mm out of the zone Z",
+            r"link_6 is [\d.]+ mm outside of the zone Z",
         ),
         (
             {"rule": "forbidden", "shape": "sphere", "radius": 100, "frame": "B", "xyz": [0, 900, 1100]},
             "P0010 MOVEJ -20 10 -40 0 -30 0",
             "Y0908",
-            r"\{TCP\} goes [\d.]+ mm into the zone Z",
+            r"\{TCP\} is [\d.]+ mm inside of the zone Z",
         ),
         (
             {"rule": "forbidden", "shape": "half-space", "normal": [0, 1, 0], "xyz": [0, 400, 0],
                 "frame": "B", "watch": ["elbow"]},
             "P0010 MOVEJ 20 -30 -40 0 -30 0",
             "Y0908",
-            r"the elbow goes [\d.]+ mm into the zone Z",
+            r"the elbow is [\d.]+ mm inside of the zone Z",
         ),
         (
             {"rule": "forbidden", "shape": "half-space", "normal": [0, 0, -1], "xyz": [0, 0, 200],
                 "margin": 900, "frame": "B"},
             "P0010 DMOVE 0 0 -100 0 0 0",
             "Y0908",
-            r"comes within [\d.]+ mm of the border of the zone Z, from whose border it stays 900 mm away",
+            r"comes within [\d.]+ mm of the border of the zone Z, whose margin is 900 mm",
         ),
         (
             {"rule": "allowed", "shape": "joints", "joints": {"J1": [0, 30]}},
@@ -110,7 +110,7 @@ def test_what_breaks_a_zone_is_refused(tmp_path, keys, line, code, message):
 
 
 def test_a_planner_that_sees_no_speed_is_refused(tmp_path, monkeypatch):
-    """The judge bounds speeds by itself: an error in the planner's search isn't certified."""
+    """The judge bounds speeds itself, so an error in the planner's search isn't certified."""
     text = "P0010 MOVEL 100 1100 1400 -100 0 0 [V {}]"
     assert with_cell(tmp_path, SLOW, text.format(99))[0] is not None
     none = Fastest(np.zeros(9), np.full(9, -1), np.zeros(9))
@@ -133,7 +133,7 @@ LINES = {
 @pytest.mark.parametrize("kind", LINES)
 @pytest.mark.parametrize("profile", profile_names())
 def test_plans_keep_to_slow_zones(tmp_path, profile, kind, time):
-    """Whatever the law: the text is certified, and as quick as the zone allows."""
+    """With each law, the text is certified, and as fast as the zone allows."""
     line = f"P0010 {LINES[kind].format('_' + profile)} {time}"
     value, found = with_cell(tmp_path, SLOW, line)
     assert value is not None, found
@@ -162,7 +162,7 @@ def test_a_time_that_is_too_short_is_told_with_one_that_works(tmp_path, line):
     (finding,) = found
     assert finding.code == "Y0912"
     assert re.search(
-        r"\{TCP\} would go at [\d,.]+ mm/s in the zone Z, [\d.]+ % above the 100 mm/s", finding.message
+        r"\{TCP\} would move at [\d,.]+ mm/s in the zone Z, [\d.]+ % above the 100 mm/s", finding.message
     )
     (fix,) = [one for one in (finding.fix,) if one]
     (edit,) = fix.edits
@@ -188,7 +188,7 @@ def test_outside_of_a_slow_zone_nothing_is_slower(tmp_path):
 
 
 def test_the_certificate_judges_by_itself(tmp_path):
-    """A text that was planned without the zone is refused where the zone is there."""
+    """A text that was planned without the zone is refused if the zone exists."""
     value, _ = with_cell(tmp_path, "", "P0010 DMOVE 0 0 -200 0 0 0")
     slow, _ = with_cell(tmp_path, SLOW, "P0010 DMOVE 0 0 -200 0 0 0")
     robot = load_robot("INDUSTRIAL6").value
@@ -199,7 +199,7 @@ def test_the_certificate_judges_by_itself(tmp_path):
     (finding,) = [one for one in judged.diagnostics if one.is_error]
     assert finding.code == "Y0911"
     assert re.search(
-        r"\{TCP\} goes at [\d.]+ mm/s in the zone Z, where 100 mm/s are allowed", finding.message
+        r"\{TCP\} moves at [\d.]+ mm/s in the zone Z, where 100 mm/s are allowed", finding.message
     )
     judged = certify(slow.text, program, robot, robot.tolerance, Claims({0: slow.plan.motions[0].waypoints}))
     assert "Y0911" not in codes(judged.diagnostics)
@@ -218,7 +218,7 @@ def test_the_certificate_tells_how_near_it_comes(tmp_path):
     assert told["zone_clearance"]["bodies"] == ["{TCP}", "Z"]
     assert told["zone_speed"] is None
     assert second.zone_clearance.distance == pytest.approx(first.zone_clearance.distance, abs=0.007)
-    # and where: there it is about so near, and nowhere nearer
+    # The reported place has about this distance, and no other place has a smaller one.
     for command, motion in zip((first, second), value.plan.motions, strict=True):
         at, distance = command.zone_clearance.at, command.zone_clearance.distance
         times = np.append(np.linspace(0.0, motion.curve.duration, 500), at)
@@ -230,13 +230,13 @@ def test_the_certificate_tells_how_near_it_comes(tmp_path):
 
 
 def test_the_frame_that_is_moved_is_the_tool(tmp_path):
-    """A longer tool breaks the zone that a shorter one keeps."""
+    """A longer tool violates a zone that a shorter one respects."""
     floor = zone(rule="allowed", shape="half-space", frame="B", normal=[0, 0, 1], xyz=[0, 0, 950])
     frame = "FRAME {ROD} 0 600 0 0 0 0 {FLANGE}\n"
     assert codes(with_cell(tmp_path, floor, f"{frame}P0010 MOVEJ 0 10 -40 0 -30 0")[1]) == []
     (finding,) = with_cell(tmp_path, floor, f"{frame}P0010 MOVEJ {{ROD}} 0 10 -40 0 -30 0")[1]
     assert finding.code == "Y0907"
-    assert finding.message.startswith("{ROD} goes")
+    assert finding.message.startswith("{ROD} is")
 
 
 def test_many_motions_of_two_tools(tmp_path):
@@ -273,7 +273,7 @@ def test_the_gripper_is_watched_with_its_room(tmp_path):
     assert codes(with_cell(tmp_path, wall, line)[1]) == []
     (finding,) = with_cell(tmp_path, wall + gripper, line)[1]
     assert finding.code == "Y0908"
-    assert "JAWS goes" in finding.message
+    assert "JAWS is" in finding.message
 
 
 def test_zones_cost_nothing_where_there_are_none(tmp_path):
@@ -297,7 +297,7 @@ def test_a_joint_motion_into_a_zone_may_go_round_it(tmp_path):
         rule="forbidden", shape="half-space", normal=[0, 0, -1], xyz=[0, 0, 200], margin=900, frame="B"
     )
     (finding,) = with_cell(tmp_path, straight, "P0010 DMOVE 0 0 -100 0 0 0")[1]
-    assert finding.fix is None  # a line has no way round
+    assert finding.fix is None  # there is no other way for a line
 
 
 def test_no_way_round_is_advised_to_a_target_in_a_zone(tmp_path):
@@ -306,11 +306,11 @@ def test_no_way_round_is_advised_to_a_target_in_a_zone(tmp_path):
     assert finding.code == "Y0908"
     assert "100 %)" in finding.message
     assert finding.fix is None
-    assert finding.help.startswith("its target is there, so that no way round helps: move the target away")
+    assert finding.help.startswith("the target itself is there, so no detour helps: move the target away")
     assert "AVOID" not in finding.help
     found = with_cell(tmp_path, ball, "P0010 MOVEJ 0 7.6 -68.5 0 60.9 0\nP0020 MOVEJ A")[1]
     assert found[1].help.startswith(
-        "it begins there, so that no way round helps: end the motion before it elsewhere"
+        "the motion begins there, so no detour helps: begin elsewhere (at START, or where the motion before"
     )
     assert found[1].fix is None
 
@@ -327,5 +327,5 @@ def test_no_way_round_is_advised_to_a_target_in_an_obstacle(tmp_path):
     (finding,) = with_cell(tmp_path, post, "P0010 MOVEJ 0 7.6 -68.5 0 60.9 0")[1]
     assert finding.code == "Y0901"
     assert finding.fix is None
-    assert finding.help.startswith("its target is there")
+    assert finding.help.startswith("the target itself is there")
     assert "or correct the obstacle in the cell.toml" in finding.help

@@ -1,5 +1,5 @@
-"""Every peak is a bound of the exact motion of the printed numbers: compared in fractions, without a
-rounding.
+"""Tests that each peak is a bound of the exact motion of the printed numbers, by comparison
+with fractions.
 """
 
 from fractions import Fraction
@@ -16,7 +16,7 @@ AT = ("start", "middle", "end")
 
 
 def _texts(rng, kind, count):
-    """Control points as a text has them [deg or mm], of a kind of motion."""
+    """Return random control points of a kind of motion, as printed in a text [deg or mm]."""
     decimals = int(rng.integers(3, 10))
     steps = {
         "slow": 10.0 ** rng.uniform(-9, -2, (count, 1)) * rng.normal(size=(count, 3)),
@@ -30,7 +30,7 @@ def _texts(rng, kind, count):
 
 
 def _exact(texts, time, unit):
-    """Position, velocity, acceleration at the start and the jerk, exactly."""
+    """Return the exact position, velocity and acceleration at the start, the jerk, and the segment time."""
     f0, f1, f2, f3 = (Fraction(text) * Fraction(unit) for text in texts)
     h = Fraction(time) / 1000
     x = (f0 + 4 * f1 + f2) / 6
@@ -38,12 +38,15 @@ def _exact(texts, time, unit):
 
 
 def _peaks(x, v, a, j, h):
-    """The exact peaks of velocity and acceleration, and positions that are reached."""
+    """Return the exact peaks of velocity and acceleration, and the smallest and largest of some positions
+    that are reached.
+    """
     times = [Fraction(0), h]
     speeds = [abs(v), abs(v + a * h + j * h * h / 2)]
     if j and 0 < -a / j < h:
         speeds.append(abs(v - a * a / (2 * j)))
-    # the zeros of the velocity, near enough: a position that is reached is one wherever it is looked at
+    # The times of zero velocity may be approximate, because the position at any time of the segment is one
+    # that the motion reaches.
     under = a * a - 2 * j * v
     if under >= 0:
         root = Fraction(float(under) ** 0.5)
@@ -79,7 +82,7 @@ def test_peaks_are_bounds_of_the_exact_motion(kind):
                 assert jerk >= abs(exact[3])
                 assert lower <= least
                 assert upper >= most
-                # and they aren't far above: 1e-6 deg/s^3 at a segment of 1.3 ms
+                # The bounds aren't far above: 1e-6 deg/s^3 with segments of 1.3 ms.
                 size = max(abs(float(one)) for one in text) * unit
                 worst = max(worst, float(velocity - speed) * h[0] / max(size, 1e-9))
     assert worst < 1e-13
@@ -107,7 +110,7 @@ def test_motors_are_bounded_exactly(kind):
 
 
 def test_rounding_to_nearest_would_fall_short():
-    """The test sees what it is for: without the fuzz a fair share of the jerks is too small."""
+    """The test would notice an error: with rounding to nearest, many jerks are too small."""
     rng = np.random.default_rng(1)
     texts = _texts(rng, "slow", 200)
     control = np.array([[float(text) for text in row] for row in texts]).ravel()[:, None] * DEG

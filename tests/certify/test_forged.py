@@ -1,5 +1,5 @@
-"""A text that does anything but what its program says isn't carried out, by whichever door: each change
-gets one clear finding.
+"""Tests of forged texts, which do something other than their program says. They aren't carried out, and each
+gives one clear finding.
 """
 
 import re
@@ -44,14 +44,12 @@ PROGRAMS = {
 ROTARY = ("rotary", "barriers", "blends", "TOPP", "timed")
 ALL = tuple(PROGRAMS)
 LIMIT = "X169.9Y0Z0A0B0C0"
-"""A limit switch, almost."""
+"""A position just before a limit switch."""
 
 
 @pytest.fixture(scope="module", autouse=True)
 def planned_once():
-    """The programs are planned once each: it is texts that change, and what a program asks for stays the
-    same.
-    """
+    """Plan each program only once, because only texts are changed."""
     known = {}
     plan = stages.plan_program
 
@@ -85,7 +83,7 @@ def in_header(text):
 
 
 def jump(text):
-    """A RAPID elsewhere and back, where the robot rests."""
+    """Insert a RAPID to another position and back, where the robot rests."""
     place = text.find("CLOSE")
     here = re.sub(r"(?<=\d)$", "", text.lines[text.moves()[-1]])
     there = ("RAPID", "ABS", LIMIT, "DWELL0", "SPLINE1", "RAPID", "ABS", here, "DWELL0", "SPLINE1")
@@ -123,7 +121,7 @@ def early_disarm(text):
 
 
 def moved_barrier(text):
-    """The wait stands where the next barrier is, and the other way round."""
+    """Swap a wait with the next barrier."""
     lines = [*text.lines]
     one, other = text.find("; barrier .* wait .*"), text.find("; barrier .* when .*")
     numbers = [re.match(r"; barrier (\d+)", lines[k])[1] for k in (one, other)]
@@ -133,7 +131,7 @@ def moved_barrier(text):
 
 
 CHANGES = {
-    # characters
+    # control characters
     "vertical tab and a move in the header": (ALL, lambda t: t.put(in_header(t), "; hi\vX30Y0Z0A0B0C0")),
     "vertical tab and a jog": (ALL, lambda t: t.put(t.find("CLOSE ALL"), "; hi\v#1J+")),
     "form feed": (ALL, lambda t: t.change("; made with (.*)", r"; made with \1" + "\fR")),
@@ -142,7 +140,7 @@ CHANGES = {
     "carriage return": (ALL, lambda t: t.change("CLOSE", "CLOSE\rR")),
     "line separator": (ALL, lambda t: t.change("; made with (.*)", r"; made with \1" + "\u2028R")),
     "escape": (ALL, lambda t: t.change("; made with (.*)", r"; made with \1" + "\x1b[2J")),
-    # lines that don't belong
+    # lines that don't belong there
     "a comment in the body": (ALL, lambda t: t.put(first_move(t), "; hi")),
     "a comment in the header": (ALL, lambda t: t.put(in_header(t), "; hi")),
     "a jog in the setup": (ALL, lambda t: t.put(t.find("CLOSE ALL"), "#1J+")),
@@ -156,7 +154,7 @@ CHANGES = {
     "cut": (ALL, lambda t: Forger(t.lines[:-20])),
     "empty lines": (ALL, lambda t: t.put(first_move(t), "")),
     "a very long line": (ALL, lambda t: t.put(first_move(t), "X" + "1" * 300)),
-    # what is assigned
+    # assignments
     "a limit in the setup": (ALL, lambda t: t.put(t.find("CLOSE ALL"), "I122=999999")),
     "a limit in the body": (ALL, lambda t: t.put(first_move(t), "I122=999999")),
     "a limit at rest": (ALL, lambda t: t.put(t.find("CLOSE"), "DWELL0", "I122=999999")),
@@ -247,7 +245,7 @@ CHANGES = {
     "a wait without a stop": (("prog",), lambda t: t.drop(t.find("STOP", 1))),
     "no comparison of the start": (("prog",), lambda t: t.change("P8101=1", "P8101=0")),
 }
-"""What is changed, and of which texts; refused with and without the program."""
+"""Changes, and the texts to which they apply. They are refused with and without the program."""
 
 WITH_PROGRAM = {
     "a condition the other way round": (
@@ -286,11 +284,13 @@ WITH_PROGRAM = {
     "another command": (ALL, lambda t: t.change(r"(; command 0 P0010 )\S+( .*)", r"\1MOVEL\2")),
     "any jerk": (("rotary", "blends", "prog"), lambda t: t.change(r"(; command 0 .*)", r"\1 any-jerk")),
 }
-"""What only the program shows."""
+"""Changes that are noticed only with the program."""
 
 
 def t_number_of_stand(text):
-    """Which move line, of all lines that begin with X, is the first after a barrier's RAPID."""
+    """Return the number of the first move line after a barrier's RAPID, counted over all lines that begin
+    with X.
+    """
     rapid = text.find("RAPID", 1)
     return sum(line.startswith("X") for line in text.lines[: rapid + 2])
 
@@ -308,11 +308,9 @@ def errors(found):
 
 
 def refused(command, text, folder):
-    """By `yarc check` or `yarc run --dry-run`, which judge in one way: exit status 1, and a single
-    finding.
-    """
+    """Check that `yarc check` or `yarc run --dry-run` refuses a text: exit status 1, and a single finding."""
     (folder / "p.pmc").write_bytes(text.encode("utf-8", "surrogatepass"))
-    # nobody is there: what is wrong with a text is found before
+    # No controller has this address: errors in a text are found before a connection is made.
     words = ["p.pmc", "--dry-run", "--to", "tcp://127.0.0.1:1"] if command is run else ["p.pmc"]
     done = CliRunner().invoke(command, words)
     assert done.exit_code == 1, done.output
@@ -363,7 +361,7 @@ def test_a_text_that_does_something_else_than_its_program_is_refused(name, chang
 
 
 def test_links_that_meet_are_refused_without_the_program(tmp_path, monkeypatch):
-    """All points scaled, slowly enough for every limit: link 5 enters link 1."""
+    """All points are scaled, slowly enough for all limits, so that link 5 enters link 1."""
     program = HEAD + "P0010 MOVEJ 0 40 -80 0 0 0 [20]\n"
     text = Forger.of(yarclang.compile(program).value.text)
     assert yarclang.prove(text.text).value is not None

@@ -1,8 +1,8 @@
-"""Chains as one path, forged: a text, or the program beside it, is changed, and nothing that breaks a
-tolerance, a ball, a limit, a speed or the order is accepted.
+"""Tests of chains as one path that are forged: a text, or the program beside it, is changed. Nothing is
+accepted that violates a tolerance, a ball, a limit, a speed or the order.
 
-What a changed text does is found by tests/independent.py, which shares nothing with the judge. The judge may
-refuse more than that: a map that says something else, or a path that is kept and can't be proved.
+The motion of a changed text is determined by tests/independent.py, which shares no code with the judge. The
+judge may refuse more texts: for example a wrong map, or a correct path that can't be proved.
 """
 
 import re
@@ -43,15 +43,15 @@ from yarclang.robot.kinematics.fk import tool_poses
 
 COUNT, ROBOT = 14, "INDUSTRIAL6"
 KINDS = {"sharp": (25.0, 0.3, 50.0), "gentle": (15.0, 0.3, 20.0), "passed": (1.0, 0.0, 50.0)}
-"""Turns at the corners [deg], the ball [mm] and the speed [mm/s]: slowed down, kept in blends, and kept
-without a blend.
+"""Angles of the corners [deg], radius of the ball [mm] and speed [mm/s]. In `sharp` the robot slows down, in
+`gentle` it keeps the speed in blends, in `passed` it keeps the speed without a blend.
 """
 TOLERANCE = 0.05
 SET_BEHIND = 7
 
 
 def said(turn, ball, speed):
-    """What a program of lines says: way-points, and of each motion its ball and speed."""
+    """Return the content of a program of lines: the waypoints, and the ball and speed of each motion."""
     headings = np.radians(turn) * np.where(np.arange(COUNT) % 2, 1.0, -1.0)
     steps = 3.0 * np.stack((np.cos(headings), np.sin(headings), 0.0 * headings), axis=1)
     begin = np.array([[40.0, 1000.0, 1000.0]])
@@ -99,7 +99,7 @@ def arm():
 
 
 def broken(text, say, claims):
-    """What a text does beyond what is said, by samples: sentences."""
+    """Return sentences about violations of the program by a text, found by sampling."""
     found = []
     _, commands = read_anew(text)
     flowing = overlaps(text)
@@ -123,7 +123,7 @@ def broken(text, say, claims):
                 )
         if (far := off[~near].max(initial=0.0)) > tol * 1.001 + 1e-6:
             found.append(f"{place} off by {far}")
-        # nothing turns here
+        # In these programs, the frame must not turn.
         if (turned := turns.magnitude()).max() > np.radians(max(0.002, tol) * 1.05):
             found.append(f"{place} turned by {turned.max()}")
         if say["balls"][place] is None or not flowing.get(step):
@@ -161,7 +161,7 @@ def broken(text, say, claims):
 
 
 def rows(text):
-    """The places of the move lines of the chain, but for those at its ends."""
+    """Return the places of the chain's move lines, except those at its ends."""
     begin = [k for k, one in enumerate(text.lines) if one.startswith("TM")][1]
     return np.array([k for k in text.moves() if k > begin])[4:-4]
 
@@ -178,7 +178,7 @@ def with_numbers(text, places, values):
 
 
 def bump(text, random):
-    """Some points beside where they were, by 0.1 um to 1 mm, or turned."""
+    """Move some points by 0.1 um to 1 mm, or turn them."""
     places = rows(text)
     values, at = numbers(text, places), random.integers(len(places))
     by = np.exp(-0.5 * ((np.arange(len(places)) - at) / random.uniform(0.5, 4.0)) ** 2)
@@ -189,7 +189,9 @@ def bump(text, random):
 
 
 def jacobians(values):
-    """By differences: how {TCP} goes [mm] and turns [deg] for each deg of the joints, (k, 6, 6)."""
+    """Return how far {TCP} moves [mm] and turns [deg] for each degree of the joints, as (k, 6, 6), by
+    differences.
+    """
     found = []
     for q in values:
         p, turns = arm().poses(np.vstack([q, q + 1e-4 * np.eye(6)]))
@@ -199,7 +201,7 @@ def jacobians(values):
 
 
 def digit(text, random):
-    """One digit of one number."""
+    """Change one digit of a number."""
     place = int(random.choice(rows(text)))
     old = text.lines[place]
     at = int(random.choice([k for k, one in enumerate(old) if one.isdigit()]))
@@ -225,14 +227,14 @@ def exchanged(text, random):
 
 
 def other_time(text, random):
-    """All segments of the chain shorter or longer."""
+    """Change the segment time of the chain."""
     place = [k for k, one in enumerate(text.lines) if one.startswith("TM")][1]
     time = float(text.lines[place][2:]) * random.choice([0.5, 0.8, 0.9, 0.99, 1.001, 1.01, 1.1, 1.25, 2.0])
     return Forger((*text.lines[:place], f"TM{round(time * 8) / 8:g}", *text.lines[place + 1 :]))
 
 
 def warped(text, random):
-    """The same way at another pace: slower, then faster."""
+    """Follow the same path with another law: slower, then faster."""
     places = rows(text)
     values, k = numbers(text, places), np.arange(len(places))
     at, width = random.uniform(0.2, 0.8) * len(k), random.uniform(1.0, 12.0)
@@ -242,7 +244,7 @@ def warped(text, random):
 
 
 def slower(text, random):
-    """Lines more of one motion, on the same way."""
+    """Insert lines into one motion, on the same path."""
     places = rows(text)
     values, k = numbers(text, places), np.arange(len(places))
     at, count = int(random.uniform(0.2, 0.8) * len(k)), int(random.integers(1, 6))
@@ -255,13 +257,13 @@ def slower(text, random):
 
 
 def other_blend(text, random):
-    """Another number of segments that the map says of a blend."""
+    """Change the number of a blend's segments in the map."""
     step = int(random.integers(1, COUNT - 2))
     return text.change(rf"(; command {step} .*) blend \d+", rf"\1 blend {random.choice([0, 2, 4, 6, 8, 12])}")
 
 
 def other_seam(text, random):
-    """Some lines of one motion belong to the next, or the other way round."""
+    """Assign some lines of one motion to the next one in the map, or the other way round."""
     step, by = int(random.integers(1, 7)), int(random.choice([-4, -3, -2, -1, 1, 2, 3, 4]))
     form = r"(; command {} \S+ \S+ \S+) (\d+) (\d+)(.*)"
     one, other = (text.find(form.format(k)) for k in (step, step + 1))
@@ -328,13 +330,13 @@ def a_wait(say, random):
 PROGRAMS = (moved_corner, moved_corner, other_order, other_speed, smaller_ball, no_ball, narrower, other_set,
     a_wait)  # fmt: skip
 OTHERWISE = (no_ball, other_set, a_wait)
-"""What samples of the motion don't show: a stop that isn't made, and what is set elsewhere. It must be
-refused in any case.
+"""Changes that samples of the motion don't show: a missing stop, and an output that is set elsewhere. They
+must always be refused.
 """
 
 
 def resealed(text):
-    """The header says how long the text takes."""
+    """Return the text with its duration updated in the header."""
     content = read(text.text, robot_of(ROBOT).controller)
     if not hasattr(content, "schedule"):
         return text
@@ -354,7 +356,7 @@ def test_what_is_planned_is_accepted_and_breaks_nothing(kind):
     say, text, program, claims = planned(kind)
     assert not refused(text, program, claims)
     assert broken(text, say, claims) == []
-    # what nobody notices
+    # A change that is too small to violate anything is accepted.
     forger = Forger.of(text)
     places = rows(forger)
     values = numbers(forger, places)
@@ -369,7 +371,7 @@ def test_a_changed_text_that_is_accepted_breaks_nothing(tally, kind, change, see
     say, text, program, claims = planned(kind)
     try:
         forged = resealed(change(Forger.of(text), np.random.default_rng(seed))).text
-    except AssertionError:  # it changes nothing
+    except AssertionError:  # the change has no effect
         return
     is_refused = refused(forged, program, claims)
     tally.count("refused", is_refused)
@@ -395,8 +397,8 @@ def test_a_text_that_is_accepted_for_another_program_breaks_nothing_of_it(tally,
 
 
 def test_a_wrong_claim_of_a_speed_proves_nothing():
-    """A share that is claimed too high isn't kept; of one that is claimed far too low, what was proved is
-    told.
+    """A share of the speed that is claimed too high isn't accepted. If it is claimed much too low, the proved
+    share is reported.
     """
     _, text, program, claims = planned("sharp")
     step = min(claims.least, key=claims.least.get)
@@ -412,7 +414,7 @@ def test_a_wrong_claim_of_a_speed_proves_nothing():
     assert not [one for one in found.diagnostics if one.is_error]
     (row,) = [one for one in found.value.commands if one.step == step]
     assert row.tool_speed.least >= 0.95 * least * row.tool_speed.programmed / (0.1 * least)
-    # what is no share is none
+    # Claims that are no valid shares are refused.
     assert [told(share) for share in (0.0, -1.0, np.nan, np.inf)] == [["Y1167"]] * 4
     _, text, program, claims = planned("passed")
     found = judged(text, program, replace(claims, kept={8: 0.5})).diagnostics
@@ -423,17 +425,17 @@ def test_a_slowdown_is_reported_however_it_is_claimed():
     _, text, program, claims = planned("sharp")
     (told,) = [one for one in judged(text, program, claims).diagnostics if one.code == "Y0610"]
     share = 100.0 * min(claims.least.values())
-    said = float(re.search(r"goes at ([0-9.]+) % of it", told.message)[1])
+    said = float(re.search(r"slows down to ([0-9.]+) % of it", told.message)[1])
     assert share * 0.999 < said < 1.1 * share
     none = judged(text, program, replace(claims, least={})).diagnostics
     assert {one.code for one in none} == {"Y1167"}
 
 
-# what samples of planned chains don't come across
+# cases that don't occur in planned chains
 
 
 def straight_run(overlaps, seams, count=80, way=(0.2, 0.04, 0.0)):
-    """A straight line with one law, cut at some knots, and the poses there."""
+    """Return a straight line with one law, cut at some knots, and the poses at the cuts."""
     s, way = knots(grid_law(count)), np.array(way)
     poses = np.tile(START, (count + 1, 1, 1))
     poses[:, :3, 3] += np.outer(s, way)
@@ -452,8 +454,9 @@ def straight_run(overlaps, seams, count=80, way=(0.2, 0.04, 0.0)):
 
 @pytest.mark.parametrize("ball", [0.0, 0.06])
 def test_a_path_is_followed_or_in_a_ball_if_blends_take_all_of_it(ball):
-    """Between a corner that isn't left and one whose blend takes the whole motion: its first half lies in
-    no other ball.
+    """The first corner of a motion isn't left, although it may have a ball, and the blend at its second
+    corner takes the whole motion. The first half of the motion is in no other ball, so it must be on the path
+    or in the ball of this blend.
     """
     chain, (a, b, c), d = straight_run((20, 0, 20), (30, 40, 50))
     radius, way = hir.Reading(0.06, None), np.array([0.98, 0.2, 0.0])
@@ -461,7 +464,7 @@ def test_a_path_is_followed_or_in_a_ball_if_blends_take_all_of_it(ball):
     def beside(along, up):
         return moved(b, along * way + np.array([0, 0, up]), np.zeros(3))
 
-    # far away and back at first, then to and fro inside of the ball
+    # First far away and back, then back and forth inside of the ball.
     for far, found in ((0.15, ["Y1166"]), (0.03, [])):
         goals = [beside(0, far), *(beside(0.005 * (k % 2), 0.012 * (k % 3)) for k in range(40)), c]
         curve = hir.PoseSplineMove(
@@ -480,7 +483,7 @@ def test_a_path_is_followed_or_in_a_ball_if_blends_take_all_of_it(ball):
 
 
 def test_a_speed_that_is_held_to_an_end_is_no_peak():
-    """Motions that flow on without a blend, each at its speed for an instant only."""
+    """Motions that flow on without a blend, each of which has its speed only for an instant."""
     per, count = 24, 4
     k = np.arange(per * count + 1)
     for dip, asked, found in ((0.3, 0.0499, ["Y1167"] * count), (1.0, 0.05, [])):
@@ -505,7 +508,7 @@ def test_a_speed_that_is_held_to_an_end_is_no_peak():
 
 
 def test_a_motion_without_a_way_isnt_flown_over():
-    """It ends at rest, wherever it stands, and its line may have no BLEND."""
+    """A motion without a path ends at rest, wherever it is in the program. It must not have a BLEND."""
     a, b = (
         moved(START, np.array([0.1, 0.02, 0.0]), np.zeros(3)),
         moved(START, np.array([0.1, 0.1, 0.04]), np.zeros(3)),
@@ -521,7 +524,7 @@ def test_a_motion_without_a_way_isnt_flown_over():
     ("off", "found"), [(0, []), (1, []), (3, ["Y1159", "Y1159"]), (8, ["Y1159", "Y1159"])]
 )
 def test_an_output_of_a_chain_is_set_at_its_corner(off, found):
-    """The map's seam, where an output is set, is at most a segment away from where the corner is passed."""
+    """In the map, the seam at which an output is set is at most one segment from the corner."""
     chain, (corner,), end = straight_run((0,), (33,))
     chain.spans[:] = [(0, 33 + off), (33 + off, 80)]
     legs = [line(0, START, corner, 0, hir.Reading(0.0, 0.0)), line(2, corner, end, 0)]

@@ -1,4 +1,6 @@
-"""Figures of certificates, rounded outwards: held against exact rational numbers."""
+"""Tests of the figures of certificates, which are rounded outwards, by comparison with exact rational
+numbers.
+"""
 
 import math
 from fractions import Fraction
@@ -22,7 +24,7 @@ from yarclang.report.nearest import _before_limit, _of_limit
 from yarclang.units import DEG, MM
 
 PI = Fraction("3.14159265358979323846264338327950288419716939937510582097494459230781640628620899")
-"""To more digits than any double has."""
+"""Pi with more digits than a double has."""
 EXACT = {MM: Fraction(1, 1000), DEG: PI / 180}
 bounds = (
     st.floats(0.0, 1e4, allow_subnormal=False)

@@ -1,5 +1,5 @@
-"""The judge's own kinematics: against Pinocchio, and against errors in what planner and judge used to
-share.
+"""Tests of the judge's own kinematics: they agree with Pinocchio, and find errors in code that planner and
+judge shared before.
 """
 
 import re
@@ -127,7 +127,7 @@ def test_another_arm_than_its_texts_is_refused():
         own_robot(replace(robot, written=written))
 
 
-# errors in what the planner uses, and in what the judge uses: nothing is written with them
+# with an error in the planner's kinematics or in the judge's, no text is written
 
 PROGRAM = """DEFAULT {TCP} (mm,deg,s) {B}
 P0010 MOVEJ 20 -10 -30 40 50 60 [6]
@@ -143,7 +143,9 @@ MASSES = (
 
 @pytest.fixture
 def arms(tmp_path):
-    """A folder of its own for each compilation, so that nothing is remembered of the robot."""
+    """Return a function that makes a separate folder for each compilation, so that nothing of the robot is
+    cached.
+    """
     made = []
 
     def new(*, weighed=False):
@@ -197,7 +199,9 @@ WALKS = {
 
 @pytest.mark.parametrize("name", WALKS)
 def test_a_wrong_forward_kinematics_is_refused(name, arms, monkeypatch):
-    """The planner may see by itself that its parts disagree; whatever it thinks, nothing is written."""
+    """With wrong forward kinematics, nothing is written, whether or not the planner notices that its parts
+    disagree.
+    """
     monkeypatch.setattr(fk, "walk", WALKS[name](fk.walk))
     assert not _compiled(arms).ok
 
@@ -220,7 +224,7 @@ def _tilted(chain):
 
 @pytest.mark.parametrize("wrong", [_reversed, _lengthened, _tilted])
 def test_an_arm_that_was_read_wrongly_is_refused(wrong, arms, monkeypatch):
-    """All of the planner agrees: only the judge knows another arm."""
+    """The whole planner uses a wrong arm, consistently. Only the judge has the right one."""
     right = description.screws
     monkeypatch.setattr(description, "screws", lambda *given: wrong(right(*given)))
     assert _codes(_compiled(arms)) & {"Y1159", "Y1160", "Y1161"}
@@ -258,7 +262,7 @@ def test_a_cell_that_was_read_wrongly_is_refused(arms, monkeypatch):
 
 
 def test_wrong_placements_of_the_planner_hide_no_collision(arms, monkeypatch):
-    """The wall is where the flange comes along; the planner's placements turn the other way."""
+    """A wall is in the path of the flange, but the planner's placements turn in the other direction."""
     text = "P0010 MOVEJ 40 0 0 0 0 0 [6] (deg,s)\nP0020 MOVEJ 60 0 0 0 0 0 [6] (deg,s)\n"
     wall = WALL.replace("0, 1250, 1176", "-800, 680, 1764")
     assert _codes(_compiled(arms, text, wall)) & {"Y0901", "Y0903"}
@@ -282,7 +286,9 @@ def _thinner(shape):
 
 
 def test_wrong_sizes_of_links_hide_no_collision(arms, monkeypatch):
-    """All that asks for shapes but the judge is given thinner links: only a clearance depends on it."""
+    """The planner and all other users of shapes get links that are too thin; only the judge has the right
+    ones.
+    """
     text = "P0010 MOVEJ 42 0 0 0 0 0 [6] (deg,s)\n"
     wall = WALL.replace("0, 1250, 1176", "-800, 680, 1764")
     assert _codes(_compiled(arms, text, wall)) & {"Y0901", "Y0903"}
@@ -332,7 +338,7 @@ def test_wrong_torques_are_refused(arms, monkeypatch):
 
 
 def test_a_lost_mass_is_refused(arms, monkeypatch):
-    """The masses that the robot's reader makes, against those that Pinocchio reads."""
+    """The masses of the robot's reader are compared with those that Pinocchio reads."""
     right = description.dynamics_of
     monkeypatch.setattr(
         description, "dynamics_of", lambda *given: replace(right(*given), mass=0.9 * right(*given).mass)
@@ -341,7 +347,9 @@ def test_a_lost_mass_is_refused(arms, monkeypatch):
 
 
 def test_a_link_without_mass_keeps_its_inertia(arms):
-    """CAD exports write such links; Pinocchio counts what they need to be turned, and so do we."""
+    """CAD exports contain links without a mass but with an inertia. Pinocchio counts the inertia, and so do
+    we.
+    """
     folder = arms(weighed=True)
     urdf = folder / "industrial6.urdf"
     turned = MASSES.replace("<mass value='12'/>", "<mass value='0'/>")
@@ -359,7 +367,9 @@ FAR = """<link name="world"/>
 @pytest.mark.parametrize("metres", [10, 100, 1000])
 @pytest.mark.parametrize("base", ["base_link", "world"])
 def test_an_arm_far_from_its_root_keeps_its_closed_form(arms, metres, base):
-    """A hall's origin as the root of a URDF, and as {B}: rounding mustn't look like a joint that slides."""
+    """The URDF's root and {B} are far away, for example at a hall's origin. Rounding must not be taken for a
+    sliding joint.
+    """
     folder = arms()
     urdf, toml = folder / "industrial6.urdf", folder / "robot.toml"
     urdf.write_text(urdf.read_text().replace('<link name="base_link">', FAR.format(metres)))
@@ -387,7 +397,7 @@ def test_pinocchio_is_asked_of_every_motion(arms, monkeypatch):
         witness, "_asked", lambda *given, **named: asked.append(given) or right(*given, **named)
     )
     assert _compiled(arms).ok
-    assert len(asked) == 1 + 2 * 4 + 1  # where the arm is at zero, twice a motion, and the end
+    assert len(asked) == 1 + 2 * 4 + 1  # at zero, twice for each motion, and at the end
 
 
 @pytest.mark.parametrize(
@@ -402,7 +412,7 @@ def test_pinocchio_is_asked_of_every_motion(arms, monkeypatch):
     ],
 )
 def test_the_judge_reads_whatever_form_readers_of_urdf_read(arms, old, new):
-    """Neither namespaces nor a declared encoding count for them."""
+    """The judge reads a URDF with namespaces or a declared encoding, like other readers."""
     folder = arms()
     urdf = folder / "industrial6.urdf"
     text = re.sub(r"<\?xml.*?\?>\s*", "", urdf.read_text())

@@ -1,5 +1,5 @@
-"""The judge's own speeds in slow zones: never below what fine samples show, sharp, and apart from the
-planner's.
+"""Tests of the judge's own speeds in slow zones: they are never below fine samples, sharp, and independent of
+the planner's.
 """
 
 from dataclasses import replace
@@ -22,7 +22,7 @@ from yarclang.collision.zones.workspace import watches_of
 from yarclang.robot.description import load_robot
 
 STEP = 1e-5
-"""Time [s] over which differences of clouds are their velocities."""
+"""Time step for velocities by differences of point clouds [s]."""
 
 
 def cubics_of(course):
@@ -51,7 +51,8 @@ def test_no_speed_is_missed(seed):
         assert own
         found = np.max([found_of(scene, course, spans, one).speed for one in own], axis=0)
         planned = np.max([speed.fastest_inside(scene, course, spans, one).speed for one in own], axis=0)
-        # two searches with bounds of their own, each sharp: a plan that keeps to a zone isn't refused
+        # The searches of planner and judge both have sharp bounds, so a plan that respects a zone isn't
+        # refused.
         assert (found <= planned * (1 + 3 * SHARP)).all()
         for row, (first, last) in enumerate(spans):
             times = np.linspace(course.begins[first], course.begins[last], 42)[1:-1]
@@ -87,7 +88,7 @@ def test_velocities_are_those_of_differences(name, seed):
 
 @pytest.mark.parametrize("seed", range(30))
 def test_borders_are_those_of_the_other_geometry(seed):
-    """Distances of points outside and reaches agree with those of `yarclang.collision`."""
+    """Distances of points outside, and extents, agree with those of `yarclang.collision`."""
     random = np.random.default_rng(seed)
     region = drawn_zone(random, "Z", "slow", speed=0.25).region
     points = random.uniform(-2, 3, (200, 3))
@@ -102,7 +103,7 @@ def test_borders_are_those_of_the_other_geometry(seed):
 
 
 def test_an_error_of_the_planner_is_none_of_the_judge(monkeypatch, industrial6):
-    """Nothing of the planner's search is called."""
+    """The judge calls no function of the planner's search."""
     for name in ("_Search", "fastest_inside", "least_outside", "roughly_outside", "rates", "outside"):
         monkeypatch.delattr(speed, name)
     zone = Zone("ALL", "slow", HalfSpace(np.array([0, 0, 1.0]), -9.0), speed=0.25, watch=("arm", "tcp"))
@@ -115,7 +116,7 @@ def test_an_error_of_the_planner_is_none_of_the_judge(monkeypatch, industrial6):
 
 
 def test_what_is_no_number_is_never_slow(industrial6):
-    """A rate that isn't a number ends the search, and is no speed that a zone allows."""
+    """A rate that isn't a number ends the search, and isn't a speed that a zone allows."""
     zone = Zone("ALL", "slow", HalfSpace(np.array([0, 0, 1.0]), -9.0), speed=0.25, watch=("tcp",))
     cell = replace(drawn(np.random.default_rng(0), count=0), zones=(zone,))
     scene = scene_of(industrial6, cell).value

@@ -1,4 +1,4 @@
-"""Clearances are proved twice: the second proof agrees with a right first one, and refutes a wrong one."""
+"""Tests of the second proof of clearances: it agrees with a correct first proof, and refutes a wrong one."""
 
 from dataclasses import replace
 
@@ -33,8 +33,8 @@ def test_both_proofs_agree(seed):
 
 
 def test_a_clearance_that_is_too_large_is_refuted():
-    """Each clearance that is reported beyond its true distance is refuted, at a place where the bodies are
-    that near by Pinocchio's placements.
+    """A reported clearance that is larger than the true distance is refuted, at a place where the bodies
+    really are as near as the refutation says, by Pinocchio's placements.
     """
     seen = 0
     for seed in range(1000, 1024):
@@ -46,7 +46,7 @@ def test_a_clearance_that_is_too_large_is_refuted():
                 near, least = int(found.nearest[motion, kind]), float(found.least[motion, kind])
                 if near < 0 or not 0.0 < least < KNOWN / 2:
                     continue
-                # a bound may be a tenth and 1 mm below the truth
+                # A bound may be 10 % and 1 mm below the truth.
                 wrong = found.least.copy()
                 wrong[motion, kind] = least / 0.85 + 0.002
                 places = refuted(scene, course, spans, replace(found, least=wrong), None)
@@ -63,8 +63,8 @@ def test_a_clearance_that_is_too_large_is_refuted():
 
 
 def test_a_pair_that_nobody_watched_is_refuted():
-    """Where the first proof saw no collision at all, the second one finds it; the order of the bodies in a
-    pair doesn't matter.
+    """If the first proof has overlooked a collision, the second one finds it, whatever the order of the
+    bodies in a pair is.
     """
     collided = 0
     for seed in range(1000, 1024):

@@ -1,4 +1,4 @@
-"""Small things that a certificate hangs on, each by itself: an error in one of them is seen here."""
+"""Tests of single details on which a certificate depends."""
 
 from types import SimpleNamespace
 
@@ -66,7 +66,7 @@ def test_where_a_rapid_leads_is_where_the_robot_stands_but_for_the_slack(off, is
         ways = (_barrier("when"), _run(1.0, 2.0), _barrier("else"), _run(*there), _barrier("end"))
         found = list(_stands_elsewhere(SimpleNamespace(course=ways), np.zeros(2), slack))
         assert bool(found) == is_fault
-        # a way that isn't there ends where the WHEN stands
+        # A branch without commands ends at the position of the WHEN.
         ways = (_run(1.0, 2.0), _barrier("when"), _run(*there), _barrier("end"))
         found = list(_stands_elsewhere(SimpleNamespace(course=ways), np.zeros(2), slack))
         assert bool(found) == is_fault
@@ -93,7 +93,7 @@ def test_a_line_that_stops_short_is_as_far_off_as_it_stops_short(short):
     off, covered = straight_deviations(control, first, held, robot, Tolerance())
     np.testing.assert_allclose(off[0], short * np.abs(goal[0]), atol=1e-15)
     assert covered.tolist() == [[0.0, 1.0]]
-    # one that flows on may leave the line there
+    # A motion that flows on into the next one may leave its line before the end.
     free = JointLines(np.zeros((1, 6)), goal, np.array([[False, True]]))
     off, covered = straight_deviations(control, first, free, robot, Tolerance())
     assert off.max() < 1e-15
@@ -111,7 +111,7 @@ def _bounds():
 @pytest.mark.parametrize("at", range(6))
 def test_each_control_point_asks_for_its_segment_time(at, joint):
     points = np.zeros((6, 2))
-    points[at:, joint] = 1.0  # one step, in front of point `at`
+    points[at:, joint] = 1.0  # one step, before point `at`
     if at == 0:
         points[0, joint] = 0.0
     bounds = _bounds()

@@ -1,4 +1,4 @@
-"""Outputs at the end of a command that is as short as one segment."""
+"""Tests of outputs at the end of a command that has only one segment."""
 
 import pytest
 from programs import compiled, robot_of
@@ -15,7 +15,7 @@ P0030 MOVEL -19.45 1174.4 1100 0 0 0 [V 50] TOL 0.05 BLEND 0
 P0040 SET LAMP ON
 P0050 MOVEL 30 1174.4 1100 0 0 0 [V 50] TOL 0.05
 """
-"""P0030 has one segment: the SET after it is also within a segment of the end of P0020."""
+"""P0030 has only one segment, so the SET after it is also within one segment of the end of P0020."""
 
 
 @pytest.fixture(scope="module")
@@ -40,8 +40,8 @@ def test_the_output_belongs_to_the_short_command(program):
     ],
 )
 def test_an_output_that_is_moved(program, segments, in_map, changed, is_refused):
-    """One segment earlier P0020 ends; one segment later is within what is allowed, and belongs to no other
-    command.
+    """One segment earlier, the output would be set at the end of P0020, which is refused. One segment later
+    is allowed, because no other command ends there.
     """
     assert in_map in program.text
     lines = program.text.replace(in_map, changed).splitlines(keepends=True)

@@ -1,4 +1,6 @@
-"""Zones a second time: what the proof overlooks is seen at the ends of segments, and nothing else is."""
+"""Tests of the second check of zones: at the ends of segments it finds what the proof overlooks, and reports
+nothing else.
+"""
 
 import numpy as np
 import pytest
@@ -57,7 +59,7 @@ def test_a_proof_that_overlooks_a_breach_is_found(tmp_path, monkeypatch, keys, l
 
 
 def test_a_wrong_geometry_of_regions_is_found(tmp_path, monkeypatch):
-    """The larger and the smaller of two numbers exchanged, in what planner and judge share."""
+    """An error in the geometry of zones that planner and judge share is found."""
     monkeypatch.setattr(regions, "_length", lambda vectors: np.linalg.norm(vectors, axis=-1) + 0.3)
     keys, line = BROKEN[4]
     value, found = with_cell(tmp_path, zone(**keys), line)

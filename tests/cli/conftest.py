@@ -1,4 +1,4 @@
-"""What the tests of the commands share."""
+"""Fixtures that the tests of the commands share."""
 
 import pytest
 
@@ -21,5 +21,5 @@ def spare(tmp_path_factory):
 
 @pytest.fixture
 def simulator(spare):
-    """`yarc sim --robot INDUSTRIAL6` in a process of its own, at HOME."""
+    """Start `yarc sim --robot INDUSTRIAL6` in a process of its own, at HOME."""
     return spare.simulator()

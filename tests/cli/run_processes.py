@@ -1,5 +1,6 @@
-"""Processes as people start them: `yarc sim` on a free port, `yarc run` in a terminal, other commands in
-other terminals.
+"""Processes as people start them.
+
+These are `yarc sim` on a free port, `yarc run` in a terminal, and other commands in other terminals.
 """
 
 import asyncio
@@ -40,19 +41,22 @@ P0010 MOVEJ 9 4 -6 3 6 3 [0.7] (deg,s)
 P0020 MOVEJ 6 -4 -3 5 2 8 [0.7] (deg,s)
 P0030 MOVEJ 0 0 0 0 0 0 [0.7] (deg,s)
 """
-"""From HOME to HOME, nowhere twice."""
+"""A program from HOME to HOME that is at no place twice."""
 DURATION = 2.1
 FINE = ("--tm", "10")
-"""Segments of 10 ms: the program is longer than the buffer, and has lines enough for faults at a line."""
+"""Options for segments of 10 ms, so that the program is longer than the buffer.
+
+It then also has enough lines for faults at a certain line.
+"""
 
 LONGEST = 40.0
-"""A process that takes longer hangs [s]."""
+"""Longest time that a process may take before it counts as hanging [s]."""
 
 YARC = (sys.executable, "-c", "from yarclang.cli.yarc import main; main()")
 
 
 class Process:
-    """A command; its outputs are read as they come."""
+    """A command whose outputs are read as they come."""
 
     def __init__(self, arguments, folder, environment, **options):
         self.out, self.err = [], []
@@ -85,11 +89,11 @@ class Process:
 
     @property
     def text(self):
-        """What it has said so far."""
+        """The command's output so far."""
         return "".join((*self.out, *self.err))
 
     def wait_for(self, words):
-        """Until it has said this."""
+        """Wait until the command has written these words."""
         until = time.monotonic() + LONGEST
         with self._heard:
             while words not in self.text:
@@ -102,7 +106,7 @@ class Process:
         self._process.send_signal(number)
 
     def end(self, status=None):
-        """Wait for its end; what it has said."""
+        """Wait for the command's end, and return its output."""
         try:
             found = self._process.wait(LONGEST)
         except subprocess.TimeoutExpired:
@@ -162,12 +166,12 @@ class Terminal:
         return self.text
 
     def hang_up(self):
-        """Close the window."""
+        """Close the terminal's window."""
         os.close(self._master)
         self._master = -1
 
     def wait(self):
-        """Its exit status, where nobody looks at it any more."""
+        """Return the exit status after the terminal was closed."""
         return self._process.wait(LONGEST)
 
     def kill(self):
@@ -178,7 +182,7 @@ class Terminal:
             os.close(self._master)
 
     def _read(self):
-        """What is there; whether there can be more."""
+        """Read the available output; return False at its end."""
         ready, _, _ = select.select([self._master], [], [], 1.0)
         if not ready:
             return True
@@ -206,8 +210,9 @@ class Simulator:
         return f"tcp://127.0.0.1:{self.port}"
 
     def counts(self):
-        """Where the motors are commanded to be [counts]; asked by what no open buffer stores, until it
-        isn't garbled.
+        """Return the motors' commanded positions [counts].
+
+        Only requests that no open buffer stores are sent. They are repeated until the answer isn't garbled.
         """
         for _ in range(20):
             with contextlib.suppress(AttributeError, IndexError, ValueError), Client(self.port) as client:
@@ -220,18 +225,21 @@ class Simulator:
         return np.array([float(words[motor - 1]) for motor in self.robot.controller.motors])
 
     def joints(self):
-        """Likewise the joints [deg or mm]."""
+        """Return the joints' commanded positions [deg or mm]."""
         return from_counts(self.robot, self.counts()) / self.robot.axis_units
 
     def until(self, there):
-        """Wait until the joints [deg or mm] are where `there` wants them; a wrong byte may look like that."""
+        """Wait until `there` returns True for the joint positions [deg or mm].
+
+        As a garbled answer may look like a match, this alone proves little.
+        """
         until = time.monotonic() + LONGEST
         while not there(joints := self.joints()):
             assert time.monotonic() < until, f"it is at {joints}"
             time.sleep(0.02)
 
     def comes_to_rest(self):
-        """Likewise until it rests. Where the joints are then [deg or mm]."""
+        """Wait until the joints are at rest, and return their positions [deg or mm]."""
         until = time.monotonic() + LONGEST
         while True:
             with contextlib.suppress(AssertionError):
@@ -239,7 +247,10 @@ class Simulator:
             assert time.monotonic() < until, "it doesn't come to rest"
 
     def stands(self):
-        """Where the joints are [deg or mm]; they must not move. A wrong byte may look like a motion once."""
+        """Return the joint positions [deg or mm], which must not change.
+
+        A garbled answer may look like a motion, so this is tried three times.
+        """
         for _ in range(3):
             one = self.counts()
             time.sleep(0.15)
@@ -249,7 +260,7 @@ class Simulator:
         raise AssertionError(f"it moves by {two - one} counts in 0.15 s")
 
     def complaints(self):
-        """What would keep a run from this controller."""
+        """Return the errors that would keep a run from this controller."""
         return [one.found for one in asyncio.run(self._look()).errors]
 
     async def _look(self):
@@ -262,7 +273,7 @@ class Simulator:
 
 
 class Spare:
-    """A simulator that stands at HOME with nothing to do, used again as long as it is so."""
+    """A simulator at HOME, reused by the next test as long as it is idle and at HOME."""
 
     def __init__(self, folder):
         self._workshop = Workshop(folder)
@@ -275,7 +286,7 @@ class Spare:
             or np.abs(self._simulator.joints()).max() > 1e-6
         ):
             if self._simulator is not None:
-                self._simulator.process.kill()  # its clock costs the computer's time
+                self._simulator.process.kill()  # an unused simulator would still take processor time
             self._simulator = self._workshop.simulator()
         return self._simulator
 
@@ -288,9 +299,9 @@ class Workshop:
 
     def __init__(self, folder):
         self.folder = folder
-        self._home = Path(tempfile.mkdtemp(prefix="yarc-"))  # its sockets need a short path
+        self._home = Path(tempfile.mkdtemp(prefix="yarc-"))  # sockets need a short path
         self.environment = {
-            # a process whose files are limited would leave half a module behind
+            # a process with a limited file size would leave a truncated module behind
             "PYTHONDONTWRITEBYTECODE": "1",
             **os.environ,
             "XDG_RUNTIME_DIR": str(self._home),
@@ -303,7 +314,7 @@ class Workshop:
         return name
 
     def simulator(self, *faults, robot="INDUSTRIAL6"):
-        """It may take a moment to listen: whoever asks for its port waits for that."""
+        """Start a simulator without waiting for it; reading its port waits until it listens."""
         arguments = [word for fault in faults for word in ("--fault", fault)]
         return Simulator(self.start("sim", "--robot", robot, "--port", "0", *arguments), robot)
 
@@ -319,11 +330,11 @@ class Workshop:
         return process
 
     def yarc(self, *arguments, status=0):
-        """A command to its end; what it has said."""
+        """Run a command to its end, and return its output."""
         return self.start(*arguments).end(status)
 
     def here(self, *arguments, status=0):
-        """Likewise, in this process: quicker, for what doesn't move a robot."""
+        """Run a command in this process, which is quicker, and return its output; it mustn't move a robot."""
         with contextlib.chdir(self.folder):
             done = CliRunner().invoke(yarc, arguments, env=self.environment)
         assert done.exception is None or isinstance(done.exception, SystemExit), done.exception
@@ -337,12 +348,15 @@ class Workshop:
 
 
 def run_on(simulator, *options, program="p.yarc"):
-    """The words of a run without a log."""
+    """Return the arguments of a run without a log."""
     return ("run", program, "--to", simulator.address, *FINE, "--no-log", *options)
 
 
 def off_the_path(joints, program=ROUND):
-    """How far joints [deg or mm] are from the planned path of a program, and when it is nearest [s]."""
+    """Return the distance of joint positions [deg or mm] from a program's planned path.
+
+    Also return the time in the program [s] at which the path is nearest.
+    """
     plan = yarclang.plan(program).value
     times = np.linspace(0.0, plan.duration, 4001)
     for _ in range(3):
@@ -354,8 +368,9 @@ def off_the_path(joints, program=ROUND):
 
 
 def assert_on_path(stands, text=""):
-    """Joints [deg or mm] are on the path of the program, between its ends, and in the command that a text
-    tells.
+    """Check that joint positions [deg or mm] are on the program's path, between its ends.
+
+    They must also be in the command that a text names.
     """
     off, time_ = off_the_path(stands)
     assert off < 2e-3
@@ -370,11 +385,11 @@ def assert_on_path(stands, text=""):
 
 
 def command_at(time_):
-    """The command that is executed at a time of the program [s]."""
+    """Return the index of the command that is executed at a time of the program [s]."""
     return ("P0010", "P0020", "P0030")[int(3 * time_ / DURATION)]
 
 
 def places(text):
-    """The joint positions in a text, behind `stands at`."""
-    behind = text[text.index(" stands at ") :].replace("\n", " ")
+    """Return the joint positions that a text has after `is at`."""
+    behind = text[text.index(" is at ") :].replace("\n", " ")
     return [float(value) for value in re.findall(r"J\d (-?[\d.]+) (?:deg|mm)", behind)]

@@ -1,5 +1,7 @@
-"""yarcc tells of a program what `yarc check` tells, and comments and yarc.toml silence the same in all
-doors.
+"""Commands agree in their findings.
+
+yarcc and `yarc check` have the same findings, and comments and yarc.toml silence the same findings
+everywhere.
 """
 
 import json
@@ -18,11 +20,11 @@ from yarclang.view.opening import opened
 
 PROGRAMS = sorted([*(HERE / "rejected").glob("*.yarc"), *EXAMPLES.glob("*.yarc")])
 NOWHERE = "ROBOT INDUSTRIAL6\nP0010 MOVEJ HOME [5] (s)"
-"""Y0603: the motion goes nowhere."""
+"""A program with the warning Y0603, because its motion doesn't go anywhere."""
 
 
 def both(files, robot, out):
-    """What yarcc and what yarc check find: file, line, severity, code, message."""
+    """Return the findings of yarcc and of `yarc check`: file, line, severity, code, message."""
     named = ["--robot", robot] if robot else []
     runner = CliRunner()
     compiled = json.loads(
@@ -118,7 +120,7 @@ def by_view(program):
 
 
 def invoked(*arguments):
-    """Whether a command could do what it does, and the findings that it told."""
+    """Return whether a command succeeded, and the codes and severities of its findings."""
     done = CliRunner().invoke(yarc, arguments)
     told = re.findall(r"(error|warning|note) (Y[0-9]{4})", done.stderr)
     return done.exit_code == 0, list(dict.fromkeys((code, severity) for severity, code in told))
@@ -141,7 +143,7 @@ def test_every_door_holds_to_them(door, comment, settings, expected, tmp_path):
     (tmp_path / "yarc.toml").write_text(f"[findings]\n{settings}\n")
     done, told = door(str(program))
     assert told == expected
-    # what has errors is still shown in the view, as far as it goes
+    # the view also shows a program with errors, as far as possible
     assert done == (door is by_view or ("Y0603", "error") not in expected)
 
 
@@ -163,7 +165,7 @@ P0010 MOVEJ_RPY 0 0 0 0 0 0 {PART}
 P0020 MOVEL 0 0 50 0 0 0 {PART}
 P0030 MOVEJ HOME
 """
-"""Y0402: a letter in a number; all else follows."""
+"""A program with the error Y0402, a letter in a number, from which other errors would follow."""
 
 
 @pytest.mark.parametrize("door", [by_plot, by_diff, by_run, by_view])

@@ -1,6 +1,4 @@
-"""`yarc check`: folders, processes, fixes, which findings are told, and the forms in which other programs
-read them.
-"""
+"""`yarc check`: folders, processes, fixes, the choice of findings, and the formats for other programs."""
 
 import json
 import re
@@ -50,7 +48,7 @@ def test_folders_and_settings(here):
     Path(".hidden/d.yarc").write_text(BAD)
     Path("sub/cell.txt").write_text(BAD)
     done = check(".", "a.yarc")
-    assert (done.exit_code, done.stderr) == (0, "3 files checked: nothing to complain of\n")
+    assert (done.exit_code, done.stderr) == (0, "3 files checked, no problems found\n")
     assert check("-", text=GOOD).exit_code == 0
     assert check(".hidden").exit_code == 1
     (here / "empty").mkdir()
@@ -94,7 +92,7 @@ def test_fixes_are_written(here):
     done = check("a.yarc", "--fix")
     assert (done.exit_code, done.stderr) == (
         0,
-        "2 fixes applied in 1 file\n1 file checked: nothing to complain of\n",
+        "2 fixes applied in 1 file\n1 file checked, no problems found\n",
     )
     expected = "P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)\r\nP0020 MOVEJ HOME [5] (s)\r\n"
     assert Path("a.yarc").read_bytes() == b"\xef\xbb\xbf" + expected.encode()
@@ -107,6 +105,15 @@ def test_fixes_of_some_and_of_standard_input(here):
     done = check("-", "--fix", text="P0010 MOVEJ 90 0 0 0 0 0 [0.1] (deg,s)\n")
     assert done.exit_code == 0
     assert re.fullmatch(r"P0010 MOVEJ 90 0 0 0 0 0 \[2\.\d+\] \(deg,s\)\n", done.stdout)
+
+
+def test_why_no_fix_was_applied_is_said(here):
+    Path("a.yarc").write_text(GOOD)
+    assert "no fix applied: there are no findings\n" in check("a.yarc", "--fix").stderr
+    Path("a.yarc").write_text(STILL)
+    for option in ("--fix", "--diff"):
+        assert "no fix applied: Y0603 has no automatic fix\n" in check("a.yarc", option).stderr
+    assert "no fix applied" not in check("a.yarc").stderr
 
 
 @pytest.mark.parametrize(
@@ -126,7 +133,7 @@ def test_what_cannot_be_meant_together(here, words):
 
 
 def refusing(text, fix_text, *, folder):
-    """What becomes of a program whose first finding has a fix that writes something else."""
+    """Return what `yarc check --fix` makes of a program whose first finding has a fix with a wrong text."""
     from dataclasses import replace
 
     from yarclang.diagnostics import Edit, Fix
@@ -160,7 +167,7 @@ FILES = ("a, b:%.yarc", "ü/c.yarc", "-")
 
 
 def test_github_commands():
-    """docs.github.com, workflow commands; escapes as in actions/toolkit, command.ts."""
+    """The output follows GitHub's documentation of workflow commands, with escapes as in actions/toolkit."""
     lines = document("github", FILES, FOUND).splitlines()
     assert len(lines) == len(FOUND)
     for line in lines:
@@ -177,7 +184,7 @@ def test_github_commands():
 
 
 def test_junit():
-    """The elements and attributes of the Jenkins schema, junit-10.xsd."""
+    """The output has the elements and attributes of the Jenkins schema, junit-10.xsd."""
     for strict, failures in ((False, 2), (True, 3)):
         root = ET.fromstring(document("junit", FILES, FOUND, strict=strict))
         assert root.tag == "testsuites"
@@ -216,7 +223,7 @@ def must_be_artifact(artifact):
 
 
 def test_sarif():
-    """The part of sarif-schema-2.1.0.json that is used."""
+    """The output follows the parts of sarif-schema-2.1.0.json that are used here."""
     log = json.loads(document("sarif", FILES, FOUND))
     must(log, dict, ["version", "runs"], ["$schema"])
     assert log["version"] == "2.1.0"
@@ -265,9 +272,7 @@ def test_a_fingerprint_stays_with_its_line(here):
 
 
 def test_sarif_names_the_projects_pages(monkeypatch):
-    """A rule links to its page once the package names an address; until then its page is in the rule
-    itself.
-    """
+    """A rule links to its page if the package names an address; otherwise the rule contains its page."""
     pages = {"homepage": "https://yarc.example", "documentation": "https://yarc.example/docs/"}
     monkeypatch.setattr(sarif, "addresses", lambda: pages)
     driver = json.loads(document("sarif", FILES, FOUND))["runs"][0]["tool"]["driver"]
@@ -314,7 +319,7 @@ def test_changes(here):
     )
     watch = changes(["."], lambda: next(steps)())  # noqa: PLW0108 (each step is another)
     assert [Path(one).name for one in next(watch)] == ["a.yarc", "b.yarc"]
-    # a program may use what stands beside it: both are checked again
+    # a program may use other files of its folder, so both programs are checked again
     assert [Path(one).name for one in next(watch)] == ["a.yarc", "b.yarc"]
     assert len(next(watch)) == 2
 
@@ -339,7 +344,7 @@ def test_watching(here):
     )
     try:
         seen = [process.stderr.readline() for _ in range(2)]
-        assert seen[1] == "1 file checked: nothing to complain of\n"
+        assert seen[1] == "1 file checked, no problems found\n"
         Path("a.yarc").write_text(BAD)
         while "error Y0202" not in (line := process.stderr.readline()):
             assert line
@@ -359,8 +364,8 @@ def test_foreign_characters_are_fixed(tmp_path):
     done = CliRunner().invoke(main, ["check", "--robot", "INDUSTRIAL6", str(path)])
     assert done.exit_code == 1
     assert (
-        "a.yarc:1:6: error Y0118: U+00A0 no-break space can't stand in code; 1 more of this statement "
-        "can't either"
+        "a.yarc:1:6: error Y0118: U+00A0 no-break space isn't allowed in code, and neither is 1 "
+        "more of this statement"
     ) in done.stderr
     assert CliRunner().invoke(main, ["check", "--fix", "--robot", "INDUSTRIAL6", str(path)]).exit_code == 0
     text = "P0010 MOVEJ -30 0 0 0 0 0 [5] (deg,s)  ! gr\u00f6\u00dfer\u00a0als \u221210\r\nP0020 STOP\r\n"

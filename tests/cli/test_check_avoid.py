@@ -1,5 +1,6 @@
-"""`yarc check --fix` on motions that collide and on ways round: the first is repaired, the second is
-written down only for whoever asks.
+"""`yarc check --fix` on motions that collide, and on motions around obstacles.
+
+A colliding motion is repaired. The path around an obstacle is written down only on request.
 """
 
 import pytest
@@ -11,7 +12,7 @@ from yarclang.cli.yarc import main
 
 @pytest.fixture
 def straight(tmp_path):
-    """Example 12 with straight motions."""
+    """Write example 12 with straight motions instead of _AVOID."""
     (tmp_path / "12_machine_cell.toml").write_text((EXAMPLES / "12_machine_cell.toml").read_text())
     path = tmp_path / "straight.yarc"
     path.write_text((EXAMPLES / "12_machine_cell.yarc").read_text().replace("_AVOID", ""))
@@ -26,7 +27,7 @@ def test_straight_it_is_refused_and_fixes_lead_round(straight):
     done = check(straight)
     assert done.exit_code == 1
     assert "Y0901" in done.output
-    assert "into GAUGE" in done.output
+    assert " penetrates GAUGE by " in done.output
     done = check(straight, "--fix")
     assert done.exit_code == 0
     lines = straight.read_text().splitlines()

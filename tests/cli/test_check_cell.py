@@ -1,6 +1,4 @@
-"""`yarc check cell.toml`: a cell or a robot by itself, with the output forms and exit statuses of
-programs.
-"""
+"""`yarc check cell.toml`: cells and robots are checked alone, with the same formats and exit statuses."""
 
 import json
 
@@ -21,7 +19,7 @@ def yarc(*arguments):
 @pytest.mark.parametrize("robot", [(), ("--robot", "INDUSTRIAL6"), ("--robot", "TRACKED_MANIPULATOR")])
 def test_a_sound_cell(robot):
     done = yarc(CELL, *robot)
-    assert (done.exit_code, done.output) == (0, "1 file checked: nothing to complain of\n")
+    assert (done.exit_code, done.output) == (0, "1 file checked, no problems found\n")
 
 
 def test_a_cell_with_mistakes(tmp_path):
@@ -40,7 +38,7 @@ def test_a_robot_beside_a_program_and_a_cell(tmp_path):
     robot = str(stdlib_folder() / "robots" / "industrial6" / "robot.toml")
     done = yarc(robot, CELL, str(EXAMPLES / "09_fixture_cell.yarc"), "--robot", "INDUSTRIAL6")
     assert done.exit_code == 0
-    assert done.output.endswith("3 files checked: nothing to complain of\n")
+    assert done.output.endswith("3 files checked, no problems found\n")
     (tmp_path / "robot.toml").write_text("name = 5\n")
     assert yarc(str(tmp_path / "robot.toml")).exit_code == 1
 

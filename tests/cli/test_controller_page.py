@@ -1,4 +1,4 @@
-"""docs/controller.md names files that exist, and settings that `yarc settings` prints."""
+"""docs/controller.md names files that exist, and settings that `yarc settings` writes."""
 
 import re
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""`yarc diff`, as its user runs it."""
+"""`yarc diff` as its users run it."""
 
 import json
 from pathlib import Path
@@ -135,4 +135,4 @@ def test_another_way_out(tmp_path):
     second.write_text(first.read_text().replace("MOVEJ 10", "MOVEJ 11"))
     result = run(first, second)
     assert result.exit_code == 1
-    assert result.stdout.startswith("~ when CURTAIN (M11) is OFF: AWAY is another way\n1 same; ")
+    assert result.stdout.startswith("~ when CURTAIN (M11) is OFF: AWAY follows a different path\n1 same; ")

@@ -1,4 +1,4 @@
-"""`yarc doc`, and how a reference is made of comments."""
+"""`yarc doc`, which makes a reference from comments."""
 
 import pytest
 from click.testing import CliRunner

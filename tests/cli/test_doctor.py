@@ -1,4 +1,4 @@
-"""`yarc doctor`: what it sees, and what it says about it."""
+"""`yarc doctor`: its checks and their texts."""
 
 import json
 import re
@@ -16,7 +16,7 @@ def examine(workshop, *options, status=0):
 
 
 def tell(simulator, *lines):
-    """Change something behind everybody's back."""
+    """Change something at the controller without the knowledge of others."""
     with Client(simulator.port) as client:
         for line in (GREETING, *lines):
             assert client.ask(Ask(line)).error is None
@@ -24,7 +24,7 @@ def tell(simulator, *lines):
 
 @pytest.fixture
 def own(workshop):
-    """A simulator that may be spoilt."""
+    """Start a simulator that a test may change."""
     return workshop.simulator()
 
 
@@ -39,7 +39,7 @@ def test_all_is_well(workshop, simulator, industrial6):
     assert lines[-1] == f"all {count} checks passed"
     assert "INDUSTRIAL6 is commanded to J1 0.000 deg, J2 0.000 deg, " in text
     assert re.search(
-        r"^link: a question takes \d+\.\d+ ms \(median\), .* \d+ program lines/s, ", text, re.MULTILINE
+        r"^link: a reply takes \d+\.\d+ ms \(median\), .* \d+ program lines/s, ", text, re.MULTILINE
     )
     assert simulator.complaints() == []
 
@@ -82,14 +82,14 @@ def test_what_is_wrong_stands_last(workshop, own):
 
 
 def test_a_guard_that_does_nothing(workshop, own):
-    """Its text is right, but it doesn't run: only trying it shows that."""
+    """The guard's text is right but it doesn't run, which only a test of the guard shows."""
     tell(own, "DISABLE PLC 29")
     text = examine(workshop, "--to", own.address, status=1)
     assert (
-        "ERROR    guard PLC 29: armed, it does nothing\n         wanted: holds when the rotary runs low\n"
-        in text
+        "ERROR    guard PLC 29: armed, but it doesn't react\n         wanted: holds when the rotary "
+        "buffer runs low\n" in text
     )
-    assert "without it nothing stops the robot when this computer fails" in text
+    assert "without it the robot isn't stopped if this computer fails" in text
     assert "1 of 104 checks failed: no program can be run" in text
 
 

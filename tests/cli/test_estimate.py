@@ -1,4 +1,4 @@
-"""How much of a compilation is done, and how long the rest takes."""
+"""Estimates of a compilation: the share that is done, and the time that is left."""
 
 from itertools import pairwise
 
@@ -12,11 +12,11 @@ STAGES = (
     ("reading", 100),
     ("checking", 0),
     ("planning", 100),
-    ("writing the controller's text", 0),
+    ("writing the controller text", 0),
     ("certifying: reading the text", 0),
     ("certifying", 50),
     ("certifying: paths", 0),
-    ("looking for what else is worth saying", 0),
+    ("looking for warnings and notes", 0),
 )
 
 
@@ -43,13 +43,14 @@ def test_the_share_never_falls_and_ends_near_the_whole(seconds):
 
 
 def test_the_time_left_is_found_and_does_not_jump():
-    # the stages take what they usually do, ten times as long
+    # the stages take ten times their usual durations
     seconds = (6.0, 8.0, 45.0, 6.0, 2.0, 30.0, 1.0, 2.0)
     estimate, now, whole = Estimate(), 0.0, sum(seconds)
     told = []
     for (what, total), takes in zip(STAGES, seconds, strict=True):
         for step in range(round(10 * takes)):
-            # motions are counted before chains are made of them
+            # planning counts motions first, and chains of motions later, so its count is complete after half
+            # of its time
             done = min(step / (10 * takes) * (2 if what == "planning" else 1), 1.0)
             estimate.tell(stage_of(what), int(done * total), total, now)
             now += 0.1
@@ -58,7 +59,7 @@ def test_the_time_left_is_found_and_does_not_jump():
                 told.append((left, whole - now))
     assert len(told) > 0.8 * 10 * whole
     assert all(abs(left - true) < 0.1 * whole for left, true in told)
-    # from one look to the next, a tenth of a second later, it changes by little more than that
+    # between two reports, which are 0.1 s apart, the estimated time left changes by less than a second
     assert max(abs(left - before) for (before, _), (left, _) in pairwise(told)) < 1.0
 
 

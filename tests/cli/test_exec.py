@@ -1,4 +1,4 @@
-"""`yarc exec`: events as JSON lines, exit statuses, signals, readers that are slow or gone."""
+"""`yarc exec`: events as JSON lines, exit statuses, signals, and readers that are slow or gone."""
 
 import json
 import os
@@ -9,7 +9,7 @@ import pytest
 from tests.cli.run_processes import FINE, assert_on_path
 
 LAST = {"event", "time_s", "status", "well", "what", "help", "code", "command", "done_s", "joints", "log"}
-"""The keys of the last event, always."""
+"""The keys that the last event always has."""
 
 
 def exec_on(simulator, *options, program="p.yarc"):
@@ -59,7 +59,7 @@ def test_a_closed_terminal_is_nothing(workshop, simulator):
 
 
 def test_a_reader_that_does_not_read_delays_nothing(workshop, simulator):
-    """The pipe is full within the first positions: the robot comes to its end all the same."""
+    """The pipe is full after the first positions, and the robot still reaches the program's end."""
     reading, writing = os.pipe()
     try:
         import fcntl

@@ -1,4 +1,4 @@
-"""`yarc export --ros` as its user sees it: files, options, exit statuses. `--moveit` is in tests/export."""
+"""`yarc export --ros`: files, options and exit statuses; `--moveit` is tested in tests/export."""
 
 import json
 import os
@@ -75,12 +75,12 @@ def test_a_smaller_tolerance_takes_more_way_points(tmp_path):
         (["--moveit", "--ros", "job.yarc"], "give one of --moveit, --driver and --ros"),
         (["--moveit", "--driver"], "give one of --moveit, --driver and --ros"),
         (["--driver", "--linear"], "--linear: only with --ros"),
-        (["--driver", "--robot", "INDUSTRIAL6"], "--robot: not with --driver"),
+        (["--driver", "--robot", "INDUSTRIAL6"], "--robot can't be used with --driver"),
         (["--moveit", "--linear"], "--linear: only with --ros"),
         (["--moveit", "--ros-version", "1"], "--ros-version: only with --ros"),
         (["--ros", "job.yarc", "-o", "a.txt"], ".txt can't be written; there are .yaml, .json and .bag"),
-        (["--ros", "job.yarc", "-o", "folder"], "the extension says the kind of file"),
-        (["--ros", "job.yarc", "-o", "a.bag", "--ros-version", "2"], "a .bag is of ROS 1"),
+        (["--ros", "job.yarc", "-o", "folder"], "the extension selects the file type"),
+        (["--ros", "job.yarc", "-o", "a.bag", "--ros-version", "2"], ".bag is a format of ROS 1"),
         (["--ros", "job.yarc", "--tolerance", "0"], "isn't a positive number"),
         (["--ros", "job.yarc", "--tolerance", "1e-9"], "isn't between 1e-06 and 0.1"),
     ],
@@ -93,13 +93,13 @@ def test_wrong_usage(arguments, said):
 def test_nothing_is_overwritten_unasked(tmp_path):
     (tmp_path / "job.yaml").write_text("mine")
     made = run("--ros", "job.yarc")
-    assert (made.exit_code, "job.yaml is there already" in made.stderr) == (2, True)
+    assert (made.exit_code, "job.yaml exists already" in made.stderr) == (2, True)
     assert (tmp_path / "job.yaml").read_text() == "mine"
     assert run("--ros", "job.yarc", "--overwrite").exit_code == 0
     assert (tmp_path / "job.yaml").read_text() != "mine"
     (tmp_path / "odd.json").symlink_to("job.yarc")
     made = run("--ros", "job.yarc", "-o", "odd.json")
-    assert (made.exit_code, "which is a source" in made.stderr) == (2, True)
+    assert (made.exit_code, "would overwrite the source" in made.stderr) == (2, True)
     assert (tmp_path / "job.yarc").read_text() == PROGRAM
 
 
@@ -156,7 +156,7 @@ def test_a_bag_without_the_package(monkeypatch, tmp_path):
 def test_a_bag_where_bags_cannot_be_made(monkeypatch, tmp_path):
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "nothing"))
     made = run("--ros", "job.yarc", "-o", "a.bag")
-    assert (made.exit_code, "where bags are made, can't be written" in made.stderr) == (1, True)
+    assert (made.exit_code, "the folder in which bags are written, can't be used" in made.stderr) == (1, True)
 
 
 @pytest.mark.parametrize("name", ["a b.yarc", "-x.yarc", "a\nb.yarc", "ö#: [.yarc", "'\".yarc"])

@@ -1,4 +1,7 @@
-"""`yarc fmt`: idempotent, keeps comments and meaning; exit statuses; standard input; indices."""
+"""`yarc fmt`: it is idempotent and keeps comments and meaning.
+
+Exit statuses, standard input and indices are tested as well.
+"""
 
 import re
 from pathlib import Path
@@ -42,7 +45,7 @@ def test_standard_input():
     done = fmt("-", text=UGLY)
     assert (done.exit_code, done.stdout, done.stderr) == (0, NEAT, "1 file changed\n")
     done = fmt("-", text=NEAT)
-    assert (done.exit_code, done.stdout, done.stderr) == (0, NEAT, "1 file is in form\n")
+    assert (done.exit_code, done.stdout, done.stderr) == (0, NEAT, "1 file already formatted\n")
 
 
 def test_a_file_is_written(here):
@@ -55,8 +58,8 @@ def test_the_files_that_are_changed_are_named(here):
     for name, text in (("a.yarc", UGLY), ("b.yarc", NEAT), ("c.yarc", UGLY)):
         Path(name).write_text(text)
     done = fmt(".")
-    assert done.stderr == "changed: a.yarc\nchanged: c.yarc\n2 files changed, 1 file is in form\n"
-    assert fmt(".").stderr == "3 files are in form\n"
+    assert done.stderr == "changed: a.yarc\nchanged: c.yarc\n2 files changed, 1 file already formatted\n"
+    assert fmt(".").stderr == "3 files already formatted\n"
 
 
 def test_a_line_with_an_exclamation_mark_in_braces_stays(here):
@@ -75,11 +78,11 @@ def test_a_form_that_is_not_proved_is_not_written(here, monkeypatch):
     )
     done = fmt(".")
     assert done.exit_code == 1
-    assert "a.yarc:1:1: error Y2002: the usual form of this line has another comment" in done.stderr
+    assert "a.yarc:1:1: error Y2002: the formatted line has a different comment" in done.stderr
     assert "please report" in done.stderr
-    assert done.stderr.endswith("changed: b.yarc\n1 file changed, 1 file left as it is\n")
+    assert done.stderr.endswith("changed: b.yarc\n1 file changed, 1 file left unchanged because of errors\n")
     assert Path("a.yarc").read_text() == "p0010 stop ! end\np0020 stop\n"
-    with pytest.raises(ValueError, match="line 1: the usual form"):
+    with pytest.raises(ValueError, match="line 1: the formatted line has a different comment"):
         yarclang.format("p0010 stop ! end\n")
     assert formatted(SourceFile("a.yarc", "p0010 stop ! end\n")) is None
     Path("c.yarc").write_text("P0010 MOVEJ [")
@@ -114,7 +117,7 @@ def test_what_cannot_be_read_stays(here, text):
     done = fmt(".")
     assert done.exit_code == 2
     assert "error Y01" in done.stderr
-    assert "1 file changed, 1 file left as it is" in done.stderr
+    assert "1 file changed, 1 file left unchanged because of errors" in done.stderr
     assert Path("bad.yarc").read_text() == text
     assert Path("good.yarc").read_text() == NEAT
 
@@ -141,7 +144,7 @@ def test_line_ends_and_byte_order_mark_stay(here):
     Path("a.yarc").write_bytes(b"\xef\xbb\xbf" + UGLY.replace("\n", "\r\n").encode())
     assert fmt("a.yarc").exit_code == 0
     assert Path("a.yarc").read_bytes() == b"\xef\xbb\xbf" + NEAT.replace("\n", "\r\n").encode()
-    assert "in form" in fmt("a.yarc").stderr
+    assert "already formatted" in fmt("a.yarc").stderr
 
 
 @pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.yarc")), ids=lambda path: path.stem)
@@ -157,7 +160,7 @@ def test_examples_keep_what_they_say(path):
 
 
 def roughened(text, random):
-    """The same program, written carelessly."""
+    """Return the same program with irregular spaces, cases, blank lines and comments."""
     lines = []
     for line in text.splitlines():
         words = line.split(" ")
@@ -169,9 +172,7 @@ def roughened(text, random):
 
 
 def without_lines(text):
-    """A controller's text without the lines of the source that its map names, and without the seal, which
-    has these in it.
-    """
+    """Return a controller text without its seal and without the source lines in its map."""
     return re.sub(r"(?m)^; sha256 .*$", "", _MAP_LINE.sub(r"\1-", text))
 
 

@@ -1,4 +1,4 @@
-"""`yarc follow`: another process steers the robot."""
+"""`yarc follow`, with another process that steers the robot."""
 
 import contextlib
 import json
@@ -21,13 +21,13 @@ FOLLOW = ("follow", "--robot", "INDUSTRIAL6", "--no-log")
 
 
 def listening(process):
-    """Where masters connect to."""
+    """Return the event that says where masters connect to."""
     process.wait_for('"listening"')
     return next(one for one in lines_of("".join(process.out)) if one["event"] == "listening")
 
 
 def connected(event, token=None):
-    """A connection as a master makes it; over TCP with a token."""
+    """Return a connection as a master makes it; with a token, the token is sent first."""
     if "unix" in event:
         wire = socket.socket(socket.AF_UNIX)
         wire.connect(event["unix"])
@@ -35,7 +35,7 @@ def connected(event, token=None):
         wire = socket.create_connection((event["host"], event["port"]))
     wire.settimeout(20)
     lines = wire.makefile("rw")
-    wire.close()  # the file keeps it
+    wire.close()  # the file keeps the connection open
     if token is not None:
         assert asked(lines, json.dumps({"token": token})) == {"ok": True}
     return lines
@@ -53,7 +53,7 @@ def test_another_process_steers_until_a_termination(where, workshop, simulator):
     event = listening(process)
     with connected(event, event.get("token")) as lines:
         until = time.monotonic() + 20.0
-        # a computer with much to do may hold it on the way: the next line begins another motion
+        # on a busy computer the motion may end too early; the next line then begins another motion
         while simulator.joints()[0] < 0.5:
             assert time.monotonic() < until, process.text
             for _ in range(50):
@@ -83,11 +83,11 @@ def test_a_log_that_is_removed_meanwhile_is_lost(workshop, simulator):
         process.signal(signal.SIGTERM)
         *_, message, last = lines_of(process.end(1))
     assert (last["event"], last["status"], last["log"]) == ("ended", 1, None)
-    assert message["text"].startswith("the log is lost: run.mcap isn't there any more")
+    assert message["text"].startswith("the run log can't be used any more: run.mcap doesn't exist any more")
 
 
 def test_a_web_page_that_posts_an_order_moves_nothing(workshop, simulator):
-    """Ten lines that aren't JSON, and then an order: that moved the robot."""
+    """A web page posts ten lines that aren't JSON and then an order, which must not move the robot."""
     process = workshop.start(*FOLLOW, "--to", simulator.address, "--port", "0", "--token-file", "token")
     event = listening(process)
     assert event["token_file"] == "token"
@@ -133,7 +133,7 @@ def test_a_token_file_that_cannot_be_written(kind, workshop, simulator):
 
 
 def test_a_file_that_was_written_anew_is_not_removed(tmp_path):
-    """A file system may give a new file the number of the one that was removed."""
+    """A file that somebody has rewritten isn't removed, even if it has the removed file's inode number."""
     path = tmp_path / "token"
     with secret_file(path, "secret"):
         number = path.lstat().st_ino

@@ -1,4 +1,4 @@
-"""Long programs are looked through for garbage seldom, and not at the end."""
+"""Garbage collection is rare during long programs, and left out at the end of the process."""
 
 import subprocess
 import sys

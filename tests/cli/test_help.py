@@ -1,4 +1,4 @@
-"""`yarc --help` and `yarc robot --help`: every command in one section, and all summaries in one column."""
+"""`yarc --help` and `yarc robot --help` list every command in one section, and align all summaries."""
 
 import re
 from importlib import import_module
@@ -11,7 +11,7 @@ import yarclang.cli.commands
 from yarclang.cli.yarc import main as yarc
 
 MOST = 10
-"""Commands in a section: more are no longer found at a glance."""
+"""Largest number of commands in a section that can be taken in at a glance."""
 
 MODULES = {
     path.stem for path in Path(yarclang.cli.commands.__file__).parent.glob("*.py") if path.stem != "__init__"
@@ -19,7 +19,7 @@ MODULES = {
 
 
 def sections(*words):
-    """Return the commands that --help lists: for each section, names and the columns of the summaries."""
+    """Return for each section of --help its commands, with the columns where their summaries begin."""
     done = CliRunner().invoke(yarc, [*words, "--help"])
     assert done.exit_code == 0, done.output
     found = {}

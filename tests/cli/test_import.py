@@ -1,4 +1,4 @@
-"""`yarc import` as its user sees it: files, options, exit statuses; what it writes compiles."""
+"""`yarc import`: files, options and exit statuses; its output compiles."""
 
 import numpy as np
 import pytest
@@ -25,7 +25,7 @@ def run(*arguments, **settings):
 def test_what_it_writes_compiles(tmp_path, text):
     (tmp_path / "points.csv").write_text("\ufeff" + text, encoding="utf-8")
     made = run("import", "points.csv", "--robot", "INDUSTRIAL6", "--units", "deg")
-    assert (made.exit_code, made.stdout) == (0, "written to points.yarc; yarc check plans it\n")
+    assert (made.exit_code, made.stdout) == (0, "written to points.yarc; plan it with yarc check\n")
     checked = run("check", "points.yarc")
     assert (checked.exit_code, "error" in checked.stderr) == (0, False)
 
@@ -52,7 +52,7 @@ def test_nothing_is_overwritten_unasked(tmp_path):
     (tmp_path / "points.yarc").write_text("! mine\n")
     arguments = ["import", "points.csv", "--robot", "INDUSTRIAL6", "--units", "deg"]
     refused = run(*arguments)
-    assert (refused.exit_code, "is there already" in refused.stderr) == (2, True)
+    assert (refused.exit_code, "points.yarc exists already" in refused.stderr) == (2, True)
     assert (tmp_path / "points.yarc").read_text() == "! mine\n"
     assert run(*arguments, "-o", "points.csv").exit_code == 2
     assert run(*arguments, "-o", "points.yarc").exit_code == 0
@@ -67,12 +67,15 @@ LONG = TIMED.splitlines()[0] + "\n" + "".join(
 def test_long_lists_stand_in_a_file_beside_the_program(tmp_path):
     (tmp_path / "arm.csv").write_text(LONG)
     made = run("import", "arm.csv", "--robot", "INDUSTRIAL6")
-    assert (made.exit_code, made.stdout) == (0, "written to arm.yarc and arm_path.csv; yarc check plans it\n")
+    assert (made.exit_code, made.stdout) == (
+        0,
+        "written to arm.yarc and arm_path.csv; plan it with yarc check\n",
+    )
     assert (tmp_path / "arm.yarc").read_text().endswith('MOVEJ_TIMED "arm_path.csv"\n')
     assert len((tmp_path / "arm_path.csv").read_text().splitlines()) == 41
     checked = run("check", "--no-plan", "arm.yarc")
-    assert (checked.exit_code, checked.stderr) == (0, "1 file checked: nothing to complain of\n")
-    # and what it writes can be imported
+    assert (checked.exit_code, checked.stderr) == (0, "1 file checked, no problems found\n")
+    # the exported path can be imported again
     again = run("import", "arm_path.csv", "--robot", "INDUSTRIAL6", "-o", "again.yarc")
     assert again.exit_code == 0
     one, other = (np.loadtxt(f"{name}_path.csv", delimiter=",", skiprows=1) for name in ("arm", "again"))
@@ -84,13 +87,13 @@ def test_no_table_is_overwritten_unasked(tmp_path):
     (tmp_path / "arm_path.csv").write_text("mine")
     arguments = ["import", "arm.csv", "--robot", "INDUSTRIAL6"]
     refused = run(*arguments)
-    assert (refused.exit_code, "arm_path.csv is there already" in refused.stderr) == (2, True)
+    assert (refused.exit_code, "arm_path.csv exists already" in refused.stderr) == (2, True)
     assert not (tmp_path / "arm.yarc").exists()
     assert run(*arguments, "-o", "arm.yarc").exit_code == 0
     assert (tmp_path / "arm_path.csv").read_text() != "mine"
     (tmp_path / "new_path.csv").write_text(LONG)
     refused = run("import", "new_path.csv", "--robot", "INDUSTRIAL6", "-o", "new.yarc")
-    assert (refused.exit_code, "would overwrite new_path.csv" in refused.stderr) == (2, True)
+    assert (refused.exit_code, "would overwrite the source new_path.csv" in refused.stderr) == (2, True)
 
 
 def test_on_standard_output_all_stands_in_the_program(tmp_path):
@@ -123,7 +126,7 @@ def test_a_mistake_leaves_no_file(tmp_path):
     (tmp_path / "points.csv").write_text(TABLE + "1,2,x,4,5,6\n")
     made = run("import", "points.csv", "--robot", "INDUSTRIAL6", "--units", "deg")
     assert made.exit_code == 1
-    assert "points.csv:5:1: error Y1505: 'x' in column 'j3' is no number" in made.stderr
+    assert "points.csv:5:1: error Y1505: 'x' in column 'j3' isn't a number" in made.stderr
     assert "1 error; nothing written" in made.stderr
     assert not (tmp_path / "points.yarc").exists()
 

@@ -1,4 +1,4 @@
-"""`yarc inspect`, as its user runs it."""
+"""`yarc inspect` as its users run it."""
 
 import json
 from pathlib import Path
@@ -30,7 +30,7 @@ def compiled(tmp_path_factory):
 def test_an_index_of_many_places_lists_them_and_takes_the_first():
     result = run(PALLET, "P0020")
     assert result.exit_code == 0
-    assert "P0020 stands at 120 places; this is the first" in result.stderr
+    assert "P0020 is at 120 places; this is the first" in result.stderr
     assert "P0020(LAYER=0,ROW=0,COLUMN=0)>P0010>P0020>P0010 MOVEJ_RPY" in result.stdout
     assert "approach.yarc:" in result.stdout
     assert "\x1b" not in result.output
@@ -52,7 +52,7 @@ def test_a_line_of_the_program(tmp_path):
     assert "p.yarc:3: P0010 MOVEJ" in run(program, "--line", 3).stdout
     missing = run(program, "--line", 2)
     assert missing.exit_code == 1
-    assert "no command comes from line 2" in missing.stderr
+    assert "line 2 has no command" in missing.stderr
 
 
 def test_a_program_with_errors_elsewhere(tmp_path):
@@ -68,7 +68,7 @@ def test_a_program_with_errors_elsewhere(tmp_path):
     assert wrong.exit_code == 1
     assert wrong.stdout == ""
     assert "Y0401" in wrong.stderr
-    assert "no command stands at P0010; errors may hide it" in wrong.stderr
+    assert "there is no command P0010; errors may hide it" in wrong.stderr
 
 
 def test_an_unknown_place_says_what_there_is(tmp_path):
@@ -76,7 +76,7 @@ def test_an_unknown_place_says_what_there_is(tmp_path):
     program.write_text(HEAD + "P0010 MOVEJ 10 0 0 0 0 0\nP0700 MOVEJ 0 0 0 0 0 0\n")
     result = run(program, "P0500")
     assert result.exit_code == 1
-    assert "no command stands at P0500" in result.stderr
+    assert "there is no command P0500" in result.stderr
     assert "help:" in result.stderr
 
 
@@ -107,7 +107,7 @@ def test_by_its_own_comments(compiled, tmp_path):
     assert "approach.yarc:" in named.stdout
     changed = tmp_path / "other.yarc"
     changed.write_text(HEAD + "P0010 MOVEJ 10 0 0 0 0 0\n")
-    assert "does something else" in run(alone, "P0040>P0030", "--source", changed).stdout
+    assert "differs from this text" in run(alone, "P0040>P0030", "--source", changed).stdout
 
 
 def test_lines_of_no_command(compiled):

@@ -1,4 +1,4 @@
-"""`yarc jobs`, and `yarc run FOLDER --job N`: the numbered programs of a project."""
+"""`yarc jobs` and `yarc run FOLDER --job N`, with the numbered programs of a project."""
 
 import pytest
 from click.testing import CliRunner
@@ -38,10 +38,10 @@ def test_jobs_are_proved_and_listed_by_their_numbers(project, where):
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        (THERE.format(-20), "job 2 ends with J1 at -20 deg, and job 1 begins at 0 deg"),
+        (THERE.format(-20), "job 2 ends with J1 at -20 deg, but job 1 begins at 0 deg"),
         (
             "JOINTS A 10 0 0 0 0 0 (deg)\nSTART A\n" + THERE.format(20) + "P0020 MOVEJ A [MIN]\n",
-            "job 2 begins with J1 at 10 deg, and job 1 begins at 0 deg",
+            "job 2 begins with J1 at 10 deg, but job 1 begins at 0 deg",
         ),
         (
             "ROBOT TRACKED_MANIPULATOR\nP0010 MOVEJ HOME [1] (s)\n",
@@ -78,16 +78,16 @@ def test_a_file_that_is_not_there(project):
 @pytest.mark.parametrize(
     ("jobs", "said"),
     [
-        ('-1 = "left.yarc"\n', "'-1' is no number of a job"),
-        ('70000 = "left.yarc"\n', "'70000' is no number of a job"),
-        ('1.5 = "left.yarc"\n', "job 1 is no program"),
-        ('"1.5" = "left.yarc"\n', "'1.5' is no number of a job"),
-        ('left = "left.yarc"\n', "'left' is no number of a job"),
-        ('"١" = "left.yarc"\n', "is no number of a job"),
-        ('1 = "left.yarc"\n01 = "right.yarc"\n', "job 1 stands twice"),
-        ("1 = 5\n", "job 1 is no program"),
-        ('1 = "left.txt"\n', "job 1 is no program"),
-        ('1 = ["left.yarc"]\n', "job 1 is no program"),
+        ('-1 = "left.yarc"\n', "'-1' isn't the number of a job"),
+        ('70000 = "left.yarc"\n', "'70000' isn't the number of a job"),
+        ('1.5 = "left.yarc"\n', "job 1 isn't the path of a program"),
+        ('"1.5" = "left.yarc"\n', "'1.5' isn't the number of a job"),
+        ('left = "left.yarc"\n', "'left' isn't the number of a job"),
+        ('"١" = "left.yarc"\n', "isn't the number of a job"),
+        ('1 = "left.yarc"\n01 = "right.yarc"\n', "job 1 is given twice"),
+        ("1 = 5\n", "job 1 isn't the path of a program"),
+        ('1 = "left.txt"\n', "job 1 isn't the path of a program"),
+        ('1 = ["left.yarc"]\n', "job 1 isn't the path of a program"),
     ],
 )
 def test_tables_that_are_none(project, jobs, said):

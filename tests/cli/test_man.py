@@ -1,4 +1,4 @@
-"""Manual pages: a page for each command, with all of its options, that man reads without a complaint."""
+"""Each command has a manual page with all of its options, which man reads without an error."""
 
 import shutil
 import subprocess

@@ -1,5 +1,6 @@
-"""Nothing that is written overwrites a source or another result; odd names and places are findings, not
-tracebacks.
+"""No output overwrites a source or another output.
+
+Unusual names and folders cause findings, and no tracebacks.
 """
 
 import json
@@ -71,7 +72,8 @@ def test_odd_names_compile(call, name):
 @pytest.mark.parametrize("program", ["yarcc", "plot"])
 def test_folders_as_programs_are_findings(call, name, program):
     done = call(name) if program == "yarcc" else call(program, name, program=yarc)
-    if name:  # the programs in it: where their results go must be said
+    # a folder means all programs in it, so an output folder must be given
+    if name:
         assert done.exit_code == 2
         assert "--out-dir" in done.stderr
         return
@@ -173,7 +175,7 @@ def test_a_wrong_robot_in_a_file_is_said_at_its_place(call):
     ],
 )
 def test_completion_offers(program, words, expected):
-    """As bash asks: `file` says that the shell completes paths."""
+    """Completion is asked as bash does it; an answer `file` means that the shell completes paths."""
     environment = {**os.environ, f"_{program.upper()}_COMPLETE": "bash_complete", "COMP_WORDS": words}
     environment["COMP_CWORD"] = str(len(words.split()) - 1)
     command = [sys.executable, "-c", f"from yarclang.cli.{program} import main; main(prog_name='{program}')"]

@@ -1,4 +1,4 @@
-"""A robot of yarc.toml is found by its name, whichever command is told it."""
+"""Every command finds a robot of yarc.toml by its name."""
 
 import shutil
 
@@ -32,7 +32,7 @@ NOBODY = ("--to", "tcp://127.0.0.1:1")
         (("doctor", "--robot"), 0, "BENCHARM is commanded to"),
         (("status", *NOBODY, "--robot"), 1, "can't be reached"),
         (("stop", *NOBODY, "--robot"), 1, "can't be reached"),
-        (("check", "a.yarc", "--robot"), 0, "nothing to complain of"),
+        (("check", "a.yarc", "--robot"), 0, "no problems found"),
     ],
 )
 def test_the_robot_of_the_project_has_a_name(project, arguments, status, said):

@@ -1,4 +1,4 @@
-"""Anything that takes more than a second says how far it is, and Ctrl-C ends it on a clean line."""
+"""Anything that takes more than a second shows its progress, and Ctrl-C leaves a clean line."""
 
 import os
 import pty
@@ -26,15 +26,15 @@ LONG = HEAD + "".join(
     )
     for number in range(1, 150)
 )
-"""Half a minute of planning."""
+"""A program that takes half a minute to plan."""
 
 LAST = 60.0
-"""A command that isn't over after so long [s] hangs."""
+"""Time [s] after which a command counts as hanging."""
 
 
 @pytest.fixture
 def told(monkeypatch):
-    """What progress was told, without numbers, and how often."""
+    """Count the reports of progress by their texts without numbers."""
     counts = Counter()
 
     def listen(progress, what, done, total):
@@ -102,7 +102,7 @@ def on_a_terminal(*command):
 
 
 def read(terminal, until=None):
-    """Read what is written to a terminal until something has been, or to its end."""
+    """Read a terminal's output until `until` was written, or to its end."""
     found, end = b"", time.monotonic() + LAST
     while until is None or until not in found:
         assert time.monotonic() < end, found

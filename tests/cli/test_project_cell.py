@@ -1,4 +1,4 @@
-"""`cell` in yarc.toml, `--cell` and CELL lines: every command keeps to the one cell, and says which."""
+"""`cell` in yarc.toml, `--cell`, and CELL lines: every command uses the one cell, and names it."""
 
 import json
 import signal
@@ -78,22 +78,25 @@ def test_without_a_project_the_command_line_names_the_cell(project):
     assert yarc("check", "same.yarc", "--cell", "cell.toml").exit_code == 0
     done = yarc("check", "other.yarc", "--cell", "cell.toml")
     assert done.exit_code == 1
-    assert "Y1373: the CELL line names other.toml, the command line names cell.toml" in done.output
-    assert "take the CELL line away, or leave --cell out" in done.output
+    assert (
+        "Y1373: two cells are named: other.toml by the CELL line, cell.toml by the command line"
+        in done.output
+    )
+    assert "remove the CELL line, or remove --cell" in done.output
 
 
 def test_two_files_are_a_conflict_that_names_both(project):
     done = yarc("check", "other.yarc")
     assert done.exit_code == 1
     assert (
-        "other.yarc:1:6: error Y1373: the CELL line names other.toml, yarc.toml names cell.toml"
-        in done.output
-    )
-    assert "take the CELL line away, or change cell in yarc.toml" in done.output
+        "other.yarc:1:6: error Y1373: two cells are named: other.toml by the CELL line, cell.toml by "
+        "yarc.toml"
+    ) in done.output
+    assert "remove the CELL line, or change cell in yarc.toml" in done.output
     for command in ("check", "run", "exec", "view"):
         done = yarc(command, "above.yarc", "--cell", "other.toml")
         assert done.exit_code == 1
-        assert "yarc.toml names the cell cell.toml, the command line names other.toml" in done.output
+        assert "yarc.toml names the cell cell.toml, but the command line names other.toml" in done.output
     assert yarc("repl", "--cell", "other.toml").exit_code == 1
     assert yarc("follow", "--cell", "other.toml").exit_code == 1
 
@@ -129,7 +132,10 @@ def test_a_mistake_in_the_cell_is_told_in_its_file(project):
 
 
 def test_a_compiled_program_keeps_to_the_cell_of_its_folder(project):
-    """Also one that was compiled before there was a cell, and one whose program isn't known."""
+    """A controller text is checked with the cell of its folder.
+
+    This also holds if it was compiled before there was a cell, and if its program is unknown.
+    """
     (project / "yarc.toml").write_text('robot = "INDUSTRIAL6"\n')
     assert CliRunner().invoke(yarcc, ["below.yarc"]).exit_code == 0
     (project / "alone").mkdir()
@@ -168,7 +174,7 @@ def test_each_says_at_the_start_which_cell_it_keeps_to(project, monkeypatch):
 
 
 def test_a_master_cannot_steer_through_the_table(workshop, industrial6):
-    """The robot is followed down to the table, and no further."""
+    """The robot follows the master down to the table, but not into it."""
     (workshop.folder / "yarc.toml").write_text('robot = "INDUSTRIAL6"\ncell = "cell.toml"\n')
     (workshop.folder / "cell.toml").write_text(TABLE.replace("1300", "1600"))
     process = workshop.start("follow", "--no-log")
@@ -182,14 +188,15 @@ def test_a_master_cannot_steer_through_the_table(workshop, industrial6):
     joints = np.array([[*lines_of(process.end(0))[-1]["joints"].values()]])
     tip = industrial6.flange_from_frame["TCP"]
     (pose,) = tool_poses(industrial6.chain, joints * industrial6.axis_units, tip)
-    # a link is above the table's edge, lower than the tool: the top is at 1650 mm
+    # the lowest link is a little above the table, whose top is at 1650 mm
     assert 1.66 < pose[2, 3] < 1.764 - 0.01
-    assert any("too near to TABLE" in text for text in process.out)
+    assert any("too close to TABLE" in text for text in process.out)
 
 
 def test_a_served_robot_keeps_to_its_cell_whoever_comes(workshop):
-    """A program that knows no cell keeps to that of the robot's server, and so does the prompt; another
-    cell is refused.
+    """The server's cell also holds for the prompt and for programs without a cell.
+
+    Programs with another cell are refused.
     """
     (workshop.folder / "yarc.toml").write_text('robot = "INDUSTRIAL6"\ncell = "cell.toml"\n')
     for name in ("cell.toml", "other.toml"):

@@ -1,4 +1,4 @@
-"""`yarc reach`: what is drawn is what the arm can hold, by its own forward kinematics."""
+"""`yarc reach` draws the positions that the arm can hold, as its own forward kinematics confirm."""
 
 import numpy as np
 import pytest
@@ -10,8 +10,10 @@ Z, X = (0, 0, 1), (1, 0, 0)
 
 
 def test_a_planar_arm_of_two_links_is_a_ring(tmp_path):
-    """Links of 0.5 and 0.3 m, the flange 0.1 m on: the second joint leaves a hole of 0.2 m, and one axis
-    leaves four orientations of a cube.
+    """The reach of a planar arm with two joints is a ring.
+
+    Its links are 0.5 and 0.3 m long, so the inner radius is 0.2 m. Its parallel axes allow four orientations
+    of a cube.
     """
     joints = [
         ("revolute", (0, 0, 0.2), (0, 0, 0), Z, (-3.14, 3.14)),

@@ -1,5 +1,6 @@
-"""yarc hold, resume, stop, override and status: against a run that streams to a simulator, and against a
-controller itself.
+"""`yarc hold`, `resume`, `stop`, `override` and `status`.
+
+They are used during a run that streams to a simulator, and directly with a controller.
 """
 
 import asyncio
@@ -63,7 +64,7 @@ def simulator(job):
 
 
 class Running:
-    """What `yarc run` is to other terminals, in a thread of its own. It is in MOVE as the context begins."""
+    """A `yarc run` in a thread, as other terminals see it; the robot moves when the context begins."""
 
     def __init__(self, job, port, *, heard_of=True):
         self.session = None
@@ -83,7 +84,7 @@ class Running:
         assert not self._thread.is_alive()
 
     def kill(self):
-        """As if its process were killed: nothing more is sent."""
+        """End the run as if its process was killed, without sending anything more."""
         with contextlib.suppress(RuntimeError):
             self._loop.call_soon_threadsafe(self._task.cancel)
 
@@ -137,7 +138,7 @@ def status():
 
 
 def wait_for(look):
-    """What a look tells as soon as it tells something."""
+    """Return the first result of `look` that is true."""
     until = time.monotonic() + 30.0
     while not (seen := look()):
         assert time.monotonic() < until
@@ -146,15 +147,15 @@ def wait_for(look):
 
 
 def told_at_rest():
-    """The status of a robot whose places have been told anew and are the same."""
+    """Return the status of a robot whose newly reported positions haven't changed."""
     one = status()
-    time.sleep(0.3)  # they are told every 0.1 s
+    time.sleep(0.3)  # positions are reported every 0.1 s
     two = status()
     return two if one["joints"] == two["joints"] else None
 
 
 def places(text):
-    """Joint positions in a text."""
+    """Return the joint positions in a text."""
     return [float(value) for value in re.findall(r"J\d (?:commanded )?(-?[\d.]+) deg", text)]
 
 
@@ -169,7 +170,7 @@ def test_hold_resume_override_stop(running):
     assert status()["state"] == "hold"
     assert "holding" in call("hold", "--run", "industrial6").stdout
     one = wait_for(told_at_rest)
-    assert one["why"] == "a hold was asked for"
+    assert one["why"] == "hold requested"
     assert one["command"] == {"title": "P0010 MOVEJ", "line": 1}
 
     assert ": move, " in call("resume").stdout
@@ -226,7 +227,7 @@ def test_runs_are_completed(running):
 def test_a_folder_that_others_may_enter(home):
     (home / "yarc").mkdir()
     (home / "yarc").chmod(0o755)
-    assert "others may enter" in call("status", status=1).stderr
+    assert "other users have access to" in call("status", status=1).stderr
 
 
 @pytest.mark.parametrize(
@@ -251,7 +252,7 @@ def test_wrong_usage(arguments):
     assert "Error: " in call(*arguments, status=2).stderr
 
 
-# a controller without a run
+# a controller without a run of this computer
 
 
 def to(simulator):
@@ -263,7 +264,7 @@ def picture(simulator):
 
 
 def complaints(job, simulator):
-    """What keeps a run from a controller."""
+    """Return the errors that would keep a run from a controller."""
 
     async def looked():
         session = Session("127.0.0.1", simulator.port)
@@ -303,7 +304,7 @@ def test_motors_in_plain_language(job):
 
 
 def test_looking_changes_nothing(job, simulator, running):
-    """With a run at work, and beside its open rotary."""
+    """`yarc status` changes nothing, neither during a run nor in its open rotary."""
     done = call("status", *to(simulator), "--format", "json")
     assert f"`yarc status --run industrial6-{os.getpid()}`" in done.stderr
     now = json.loads(done.stdout)
@@ -312,14 +313,14 @@ def test_looking_changes_nothing(job, simulator, running):
     assert now["motors"]["1"] == "closed-loop, homed, moves"
     call("hold")
     now = wait_for(lambda: (seen := picture(simulator))["motors"]["1"].endswith("at rest") and seen)
-    assert now["program"].startswith("one is in the middle, held or starved")
+    assert now["program"].startswith("one is unfinished: held, or waiting for lines")
     assert now["motors"]["1"] == "closed-loop, homed, at rest"
     assert ": move" in call("resume").stdout
     assert running.session.operation.state is State.MOVE
 
 
 def test_a_rotary_that_was_left_open(job, simulator):
-    """A run that was killed leaves it so; the next client may get its port."""
+    """A killed run leaves its rotary open, and the next client may get the same port."""
     with Running(job, simulator.port, heard_of=False) as run:
         run.kill()
         run.wait()
@@ -336,7 +337,7 @@ def test_what_a_killed_run_has_left_is_ended(job, simulator, abort):
         run.wait()
     done = call("stop", *to(simulator), *abort)
     assert done.stdout.startswith(
-        f"no program runs on tcp://127.0.0.1:{simulator.port}; INDUSTRIAL6 stands at J1 "
+        f"no program runs on tcp://127.0.0.1:{simulator.port}; INDUSTRIAL6 is at J1 "
     )
     stands = places(done.stdout)
     assert len(stands) == 6
@@ -360,14 +361,17 @@ def test_a_run_of_this_computer_is_told_first(job, simulator, running, abort, mo
     monkeypatch.setattr(stop, "_TELL", 10.0)  # on a computer with much to do
     monkeypatch.setattr(stop, "_LET_END", 20.0)
     done = call("stop", *to(simulator), *abort)
-    assert f"industrial6-{os.getpid()} drives this controller and is asked to end" in done.stderr
+    assert f"industrial6-{os.getpid()} drives this controller, and was asked to end" in done.stderr
     ended = running.wait()
     assert ended.what == ("aborted: off its path" if abort else "stopped on its path")
     assert places(done.stdout) == pytest.approx(list(ended.joints / job.robot.axis_units), abs=1e-3)
 
 
 def test_a_process_without_a_socket_is_named(job, simulator):
-    """Another user's run, say: the controller itself can be asked and stopped all the same."""
+    """A run without a socket, such as another user's, is named.
+
+    The controller itself can still be asked and stopped.
+    """
     with Running(job, simulator.port, heard_of=False) as run:
         told = f"process {os.getpid()} (user "
         assert f"{told}" in call("status", *to(simulator)).stderr
@@ -418,7 +422,7 @@ def test_somebody_else_at_the_address(simulator):
     finally:
         loops[0][0].call_soon_threadsafe(loops[0][1].set)
         thread.join(10)
-    assert "doesn't answer as a PMAC" in done.stderr
+    assert "doesn't answer like a PMAC" in done.stderr
 
 
 def test_a_robot_that_there_is_not():
@@ -426,7 +430,7 @@ def test_a_robot_that_there_is_not():
         assert "Y1301" in call(command, "--to", "tcp://127.0.0.1:1", "--robot", "NOPE", status=1).stderr
 
 
-# addresses
+# addresses of controllers
 
 
 @pytest.mark.parametrize(
@@ -455,10 +459,10 @@ def test_addresses(text, expected):
     [
         ("", "is tcp:// missing?"),
         ("192.168.0.200:1025", "is tcp:// missing?"),
-        ("udp://a", "by tcp:// only"),
-        ("TCP://a", "by tcp:// only"),
-        ("tcp://", "no name or address"),
-        ("tcp://:1025", "no name or address"),
+        ("udp://a", "only tcp:// addresses"),
+        ("TCP://a", "only tcp:// addresses"),
+        ("tcp://", "isn't a valid host name"),
+        ("tcp://:1025", "isn't a valid host name"),
         ("tcp://a:", "from 1 to 65535"),
         ("tcp://a:0", "from 1 to 65535"),
         ("tcp://a:65536", "from 1 to 65535"),
@@ -468,12 +472,12 @@ def test_addresses(text, expected):
         ("tcp://a:pmac", "from 1 to 65535"),
         ("tcp://::1", "in [ ]"),
         ("tcp://[::1", "isn't tcp://HOST[:PORT]"),
-        ("tcp://[host]", "no name or address"),
+        ("tcp://[host]", "isn't a valid host name"),
         ("tcp://a b", "isn't tcp://HOST[:PORT]"),
-        ("tcp://-a", "no name or address"),
-        ("tcp://a..b", "no name or address"),
-        ("tcp://" + "a" * 64, "no name or address"),
-        ("tcp://" + "a." * 130, "no name or address"),
+        ("tcp://-a", "isn't a valid host name"),
+        ("tcp://a..b", "isn't a valid host name"),
+        ("tcp://" + "a" * 64, "isn't a valid host name"),
+        ("tcp://" + "a." * 130, "isn't a valid host name"),
         ("tcp://user@a", "isn't tcp://HOST[:PORT]"),
         ("tcp://a/path", "isn't tcp://HOST[:PORT]"),
     ],
@@ -485,5 +489,5 @@ def test_what_is_no_address(text, said):
 
 
 def test_a_simulator_where_there_is_none():
-    with pytest.raises(click.BadParameter, match="there is no simulator"):
+    with pytest.raises(click.BadParameter, match="`sim` can't be used here"):
         AddressType(sim=False).convert(SIM, None, None)

@@ -1,4 +1,4 @@
-"""`yarc replay`: a recorded run on a terminal and without one."""
+"""`yarc replay`: a recorded run is replayed on a terminal and without one."""
 
 import os
 import pty
@@ -27,7 +27,7 @@ def log(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def short(tmp_path_factory):
-    """Half a second, stopped."""
+    """Write the log of a run that was stopped after half a second."""
     job, plan = made()
     seen = samples(job, plan, length=0.5)
     told = [Changed(ANCHOR.clock, State.MOVE, "")]
@@ -54,7 +54,7 @@ def test_without_a_terminal_there_are_plain_lines(log):
     assert texts[:3] == ["stop", "init: loading turning.yarc", "move"]
     assert texts[-2:] == ["stop: at the end of turning.yarc, to a count", "came to its end"]
     commands = [text.split("  ")[0] for text in texts[3:-2]]
-    # each command as it begins; none is longer than 5 s
+    # each command has one line, at its beginning; only a command of more than 5 s would have further lines
     assert commands == ["P0010 MOVEJ_LSPB", "P0020 MOVEJ_LSPB", "P0030 MOVEJ_LSPB"]
     assert "of 9.0 s" in texts[3]
     assert re.search(r"J1 \d+\.\d\d J2 ", texts[4])
@@ -74,7 +74,7 @@ def timed(*arguments):
 
 
 def test_it_takes_as_long_as_the_run_did(short):
-    timed(short, "--speed", "max")  # everything is imported
+    timed(short, "--speed", "max")  # imports everything, so that the next times are without imports
     at_once, text = timed(short, "--speed", "max")
     real, same = timed(short)
     twice, _ = timed(short, "--speed", "2")
@@ -126,7 +126,7 @@ def test_on_a_terminal_one_line_changes(short):
     while True:
         try:
             text += os.read(terminal, 65536)
-        except BlockingIOError:  # nothing is there now
+        except BlockingIOError:  # no output is available yet
             if ended:
                 break
             ended = process.poll() is not None

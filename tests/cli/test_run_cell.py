@@ -1,6 +1,4 @@
-"""The approach to the start of a controller text: which cell it knows, and that it is told where it knows
-none.
-"""
+"""The approach to the start of a controller text uses the text's cell, and says if none is known."""
 
 import json
 import shutil
@@ -17,12 +15,12 @@ from yarclang.coordinator.programs import way_to_start
 
 PROGRAM, CELL = "12_machine_cell.yarc", "12_machine_cell.toml"
 BEHIND_THE_GAUGE = np.radians([-30.0, -30.0, -45.0, 0.0, -20.0, 0.0])
-"""From here the straight way to the program's start leads through the gauge."""
+"""Joint positions from which the straight path to the program's start leads through the gauge."""
 
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
-    """The program, its cell, and its text, which stands beside them and alone in a folder of its own."""
+    """Return a folder with the program, its cell and its text, and a copy of the text in a folder alone."""
     folder = tmp_path_factory.mktemp("made")
     for name in (PROGRAM, CELL):
         shutil.copy(EXAMPLES / name, folder / name)
@@ -61,7 +59,7 @@ def test_else_it_is_said_once_that_it_knows_none(made):
     assert [one.code for one in diagnostics] == ["Y0927", "Y1193"]
     assert "isn't there" in diagnostics[0].message
     assert commands(found) == ["MOVEJ_LSPB"]
-    # without an approach only what wasn't judged is said
+    # without an approach, the only finding is that the program wasn't judged
     assert [one.code for one in loaded(made / "alone" / "made.pmc", approach=False)[1]] == ["Y1193"]
 
 
@@ -72,9 +70,9 @@ def test_a_program_that_does_something_else_forbids_the_run(made, tmp_path):
     found, (finding,) = loaded(tmp_path / "made.pmc")
     assert found is None
     assert finding.code == "Y1167"
-    assert "programmed are 90 mm/s" in finding.message
+    assert "90 mm/s are programmed" in finding.message
     assert f"{PROGRAM} has changed since" in finding.help
-    # the right one, somewhere else
+    # the right program is accepted, even from another folder
     found, diagnostics = loaded(tmp_path / "made.pmc", source=str(made / PROGRAM))
     assert diagnostics == ()
     assert found is not None
@@ -101,7 +99,10 @@ def test_a_program_that_was_only_laid_out_anew_is_the_same(made, tmp_path):
 
 
 def test_a_program_of_another_name_beside_it_is_not_its_program(made, tmp_path):
-    """But one that is called as the text is: it must be proved, whatever the header says."""
+    """A program of another name beside a text isn't taken as the text's program.
+
+    A program of the text's own name must be proved, whatever the text's header says.
+    """
     for name, code in (("other.yarc", "Y1193"), ("made.yarc", "Y1153")):
         shutil.copy(made / "made.pmc", tmp_path)
         (tmp_path / name).write_text("ROBOT INDUSTRIAL6\nP0010 MOVEJ 5 0 0 0 0 0 [2] (deg,s)\n")
@@ -110,8 +111,9 @@ def test_a_program_of_another_name_beside_it_is_not_its_program(made, tmp_path):
 
 
 def test_a_tolerance_that_it_was_compiled_with(tmp_path):
-    """A joint line under a wide tolerance has fewer digits and longer segments: it is judged by what is
-    asked for.
+    """A text is judged with the tolerance that it was compiled with.
+
+    A wide tolerance leads to fewer digits and longer segments, which a narrow one would refuse.
     """
     program = tmp_path / "p.yarc"
     program.write_text(
@@ -138,7 +140,7 @@ def test_a_cell_that_cant_be_read_forbids_the_run(made, tmp_path):
 
 @pytest.mark.parametrize("command", ["run", "exec"])
 def test_a_program_names_its_cell_itself(command, made, tmp_path):
-    """The command line may name the same file, and no other one."""
+    """If the program names its cell, the command line may only name the same file."""
     other = shutil.copy(made / CELL, tmp_path / "other.toml")
     result = CliRunner().invoke(main, [command, str(made / PROGRAM), "--cell", str(other)])
     assert result.exit_code == 1

@@ -1,6 +1,4 @@
-"""`yarc run` with motions that flow into each other: where it begins, where it pauses, and how a stop in a
-corner is told.
-"""
+"""`yarc run` with motions that flow into each other: starts, pauses, and the report of a stop in a corner."""
 
 import re
 
@@ -33,7 +31,7 @@ def test_a_run_never_begins_in_a_corner(workshop, simulator, place):
 def test_a_run_begins_with_the_chain(workshop, simulator):
     workshop.write("q.yarc", CHAIN)
     text = workshop.yarc(*run_on(simulator, "--from", "P0020", "--yes", program="q.yarc"))
-    assert "q.yarc: done; INDUSTRIAL6 stands where it ends, to a count" in text
+    assert "q.yarc: done; INDUSTRIAL6 is at the program's end, within one count" in text
     assert simulator.complaints() == []
 
 
@@ -54,4 +52,4 @@ def test_a_stop_in_a_chain_says_how_to_go_on(workshop, simulator):
     workshop.here("stop")
     text = process.end(1)
     assert "on its path, in P0040 MOVEJ, " in text
-    assert text.endswith(f"  to go on: yarc run q.yarc --to {simulator.address} --tm 10 --from P0020\n")
+    assert text.endswith(f"  to continue: yarc run q.yarc --to {simulator.address} --tm 10 --from P0020\n")

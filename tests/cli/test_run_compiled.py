@@ -1,6 +1,4 @@
-"""`yarc run FILE.pmc`: the text is judged again; one that was changed by hand is refused before anything
-is asked.
-"""
+"""`yarc run FILE.pmc` judges the text again, and refuses a changed text before it contacts the controller."""
 
 import re
 
@@ -10,7 +8,7 @@ import yarclang
 from tests.cli.run_processes import ROUND
 
 PATH = "tcp://127.0.0.1:1"
-"""Where nobody is: what is wrong with a text is found before."""
+"""An address without a controller, as errors in a text are found before a connection is made."""
 
 
 @pytest.fixture(scope="module")
@@ -32,7 +30,7 @@ def refused(workshop, text, *options):
 def test_it_runs(workshop, simulator, text):
     workshop.write("P.PMC", text)
     shown = workshop.yarc("run", "P.PMC", "--to", simulator.address, "--no-log")
-    assert "P.PMC: done; INDUSTRIAL6 stands where it ends, to a count" in shown
+    assert "P.PMC: done; INDUSTRIAL6 is at the program's end, within one count" in shown
     assert (abs(simulator.stands()) < 1e-4).all()
 
 
@@ -42,11 +40,11 @@ def test_one_point_beyond_the_limits(workshop, text):
     assert re.search(
         r"^p\.pmc:\d+:1: error Y1157: P0010 MOVEJ: J1 has a peak velocity of ", shown, re.MULTILINE
     )
-    assert "isn't as yarcc wrote it, or p.yarc has changed since: compile the program again" in shown
+    assert "was changed after yarcc wrote it, or p.yarc has changed since: compile the program again" in shown
 
 
 def test_too_fast(workshop, text):
-    """All of it in a tenth of the time."""
+    """All motions take a tenth of their time."""
     shown = refused(workshop, re.sub(r"^TM\d.*$", "TM3", text, flags=re.MULTILINE))
     assert "error Y11" in shown
     assert "velocity" in shown
@@ -65,7 +63,8 @@ def test_a_line_more(workshop, text):
 def test_another_robot(workshop, text):
     shown = refused(workshop, text, "--robot", "TRACKED_MANIPULATOR")
     assert (
-        "error Y1163: the text was made for INDUSTRIAL6, the command line says TRACKED_MANIPULATOR" in shown
+        "error Y1163: the text was made for INDUSTRIAL6, but the command line names TRACKED_MANIPULATOR"
+        in shown
     )
     robot = re.search("^; robot INDUSTRIAL6 (.*)$", text, re.MULTILINE)[1]
     shown = refused(workshop, text.replace(robot, "0" * 64))
@@ -76,10 +75,10 @@ def test_another_robot(workshop, text):
 def test_a_robot_of_nobody(workshop, text):
     shown = refused(workshop, text.replace("; robot INDUSTRIAL6 ", "; robot MINE "))
     assert "p.pmc: error Y1301: " in shown
-    assert "help: if it is your own robot, give its place: --robot PATH" in shown
+    assert "help: if it is your own robot, give its path: --robot PATH" in shown
     shown = refused(workshop, re.sub(r"^; robot .*\n", "", text, flags=re.MULTILINE))
     assert "error Y1151: line 3 is '; program " in shown
-    assert "where the header has the robot" in shown
+    assert "expected in the header: the robot" in shown
 
 
 def test_for_a_program_buffer(workshop):
@@ -91,7 +90,7 @@ def test_for_a_program_buffer(workshop):
 
 @pytest.mark.parametrize("content", ["", "X1\n", "ROBOT INDUSTRIAL6\nP0010 MOVEJ HOME\n"])
 def test_something_else(workshop, content):
-    assert "error Y1151: this isn't a text that yarcc has written" in refused(workshop, content)
+    assert "error Y1151: this text wasn't written by yarcc" in refused(workshop, content)
 
 
 def test_bytes_that_are_no_text(workshop):

@@ -1,6 +1,4 @@
-"""A run that is killed: the guard PLC holds the robot on its path, and nothing goes on before somebody has
-said so.
-"""
+"""A killed run: the guard PLC holds the robot on its path, and it moves again only after an order."""
 
 import contextlib
 import re
@@ -19,7 +17,7 @@ from yarclang.runtime.state import State
 
 
 def is_under_way(joints):
-    """Whether the program has left its start."""
+    """Return True if the robot has left the program's start."""
     return abs(joints).max() > 1.0
 
 
@@ -32,18 +30,18 @@ def test_kill_9(workshop):
     stands = simulator.comes_to_rest()  # the buffer lasts for a second
     assert_on_path(stands)
     time.sleep(0.5)
-    assert simulator.stands() == pytest.approx(stands, abs=1e-4)  # for good
+    assert simulator.stands() == pytest.approx(stands, abs=1e-4)  # the robot stays at rest
 
     address = simulator.address
     end_it = f"yarc stop --to {address} --robot INDUSTRIAL6"
     refused = workshop.here(*run_on(simulator), status=1)
-    assert "ERROR    coordinate system 1: a program is in the middle, held or starved\n" in refused
-    assert f"help: `{end_it}` ends it where the robot stands" in refused
-    assert "error: 1 of 103 things isn't as it must be; nothing moved" in refused
+    assert "ERROR    coordinate system 1: an unfinished program is held, or waits for lines\n" in refused
+    assert f"help: end it at the robot's position with `{end_it}`" in refused
+    assert "error: 1 of 103 checks failed; nothing moved" in refused
     examined = workshop.here("doctor", "--robot", "INDUSTRIAL6", "--to", address, status=1)
     assert f"`{end_it}`" in examined
     assert "1 of 103 checks failed: no program can be run" in examined
-    assert "lines/s" not in examined  # the link isn't loaded beside a program
+    assert "lines/s" not in examined  # the link isn't measured while a program is held
 
     ended = workshop.here(*end_it.split()[1:])
     assert places(ended) == pytest.approx(stands, abs=2e-3)
@@ -52,12 +50,12 @@ def test_kill_9(workshop):
     index = command_at(off_the_path(stands)[1])
     text = workshop.yarc(*run_on(simulator, "--from", index, "--yes"))
     assert re.search(rf"doesn't stand where {index} MOVEJ starts: .*\nan approach takes \d\.\d s", text)
-    assert "p.yarc: done; INDUSTRIAL6 stands where it ends, to a count" in text
+    assert "p.yarc: done; INDUSTRIAL6 is at the program's end, within one count" in text
     assert simulator.stands() == pytest.approx([0.0] * 6, abs=1e-4)
 
 
 def test_a_bug_of_ours(workshop, simulator, monkeypatch):
-    """It ends the run, but the robot is held on its path, and what ran is ended."""
+    """An internal error ends the run, but the robot is held on its path, and its program is ended."""
 
     def with_a_bug(operation, job):
         script, outcome, moves = perform(operation, job), None, None
@@ -78,13 +76,13 @@ def test_a_bug_of_ours(workshop, simulator, monkeypatch):
     assert done.exit_code == 1
     assert "RuntimeError: a bug" in done.output
     assert_on_path(simulator.stands())
-    assert "a bug of yarclang has ended what was under way" in done.output
+    assert "a bug of yarclang has ended the current motion" in done.output
     assert places(done.output) == pytest.approx(simulator.stands(), abs=2e-3)
     assert simulator.complaints() == []
 
 
 def test_a_process_that_sleeps(workshop, simulator):
-    """Stopped for as long as the buffer lasts, and woken up again: the path is unharmed."""
+    """The process is stopped for less time than the buffer lasts, and the robot stays on its path."""
     process = workshop.start(*run_on(simulator))
     process.wait_for("P0010 MOVEJ")
     process.signal(signal.SIGSTOP)

@@ -1,4 +1,4 @@
-"""The log of a run: no log, no motion; and what stands in it."""
+"""The log of a run: its contents, and no motion if it can't be written."""
 
 import json
 import re
@@ -10,19 +10,19 @@ import pytest
 from tests.cli.run_processes import assert_on_path, run_on
 
 FILLS_UP = 24_000
-"""Bytes: what is known at the beginning takes about 19,000, and a second of the run 5,000."""
+"""Size limit [bytes]: the beginning of a log takes about 19,000, and a second of the run 5,000."""
 
 
 def logged(simulator, log):
-    """The words of a run with a log."""
+    """Return the arguments of a run with a log."""
     return (*run_on(simulator)[:-1], "--log", log)
 
 
 @pytest.mark.parametrize("log", ["/dev/full", "/proc/no/where", "p.yarc/run.mcap"])
 def test_without_a_log_nothing_moves(workshop, simulator, log):
     text = workshop.here(*logged(simulator, log), status=1)
-    assert re.search(rf"error: the log can't be made, {log[:5]}.*: [a-z ]+; nothing moved\n", text)
-    assert "help: make room, or say --log PATH, or --no-log" in text
+    assert re.search(rf"error: the log can't be created, {log[:5]}.*: [a-z ]+; nothing moved\n", text)
+    assert "help: make room on the disk, or use --log PATH or --no-log" in text
     assert "move\n" not in text
     assert (simulator.stands() == 0.0).all()
 
@@ -31,7 +31,7 @@ def test_a_log_that_fills_up(workshop, simulator):
     def limit():
         resource.setrlimit(resource.RLIMIT_FSIZE, (FILLS_UP, FILLS_UP))
 
-    # compiled modules would be cut as well, for everybody
+    # without this, compiled modules would be truncated, too, and used by other processes
     no_others = {"PYTHONDONTWRITEBYTECODE": "1"}
     process = workshop.start(*logged(simulator, "run.mcap"), preexec_fn=limit, variables=no_others)
     text = process.end(1)
@@ -43,7 +43,7 @@ def test_a_log_that_fills_up(workshop, simulator):
     assert_on_path(simulator.stands(), text)
     assert simulator.complaints() == []
     assert 0 < (workshop.folder / "run.mcap").stat().st_size <= FILLS_UP
-    # what it has is read
+    # other commands read the truncated log
     assert "move" in workshop.here("replay", "run.mcap", "--speed", "max")
     assert "drawn to run.png" in workshop.here("plot", "run.mcap", "-o", "run.png")
 
@@ -59,7 +59,7 @@ def test_what_stands_in_it(workshop):
     replayed = workshop.here("replay", log, "--speed", "max")
     for words in (
         "ordered: hold",
-        "hold: a hold was asked for",
+        "hold: hold requested",
         "ordered: resume",
         "P0030 MOVEJ",
         "came to its end",
@@ -85,13 +85,14 @@ def test_a_log_that_is_removed_during_the_run_is_lost(what, workshop, simulator)
     if what == "folder":
         place.rmdir()
     text = process.end(1)
-    assert "p.yarc: done; INDUSTRIAL6 stands where it ends" in text
+    assert "p.yarc: done; INDUSTRIAL6 is at the program's end" in text
     lost = (
-        "error: the log is lost: logs/run.mcap isn't there any more; it was removed or moved during the run\n"
+        "error: the run log can't be used any more: logs/run.mcap doesn't exist any more; it was removed or "
+        "moved during the run\n"
     )
     assert (
-        f"{lost}  help: keep the folder of the log as it is during a run, or choose another one with --log "
-        "PATH\n"
+        f"{lost}  help: don't change the folder of the log during a run, or choose another one with "
+        "--log PATH\n"
     ) in text
     assert "log: logs" not in text
 
@@ -102,7 +103,7 @@ def test_a_log_that_is_removed_from_a_run_that_is_stopped_is_lost(workshop, simu
     (workshop.folder / "run.mcap").unlink()
     process.signal(signal.SIGTERM)
     text = process.end(1)
-    assert "error: the log is lost: run.mcap isn't there any more" in text
+    assert "error: the run log can't be used any more: run.mcap doesn't exist any more" in text
     assert "log: run.mcap" not in text
     assert_on_path(simulator.stands(), text)
 
@@ -115,8 +116,8 @@ def test_a_program_without_a_terminal_tells_of_its_lost_log(workshop, simulator)
     *_, message, last = map(json.loads, process.end(1).splitlines())
     assert (last["event"], last["well"], last["status"], last["log"]) == ("ended", True, 1, None)
     assert (message["event"], message["warning"]) == ("message", True)
-    assert message["text"].startswith("the log is lost: run.mcap isn't there any more")
+    assert message["text"].startswith("the run log can't be used any more: run.mcap doesn't exist any more")
     text = workshop.yarc(*words)
-    assert "the log is lost" not in text
+    assert "the run log can't be used" not in text
     last = json.loads(text.splitlines()[-1])
     assert (last["status"], last["log"]) == (0, "run.mcap")

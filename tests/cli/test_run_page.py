@@ -1,7 +1,7 @@
-"""The session in a second terminal of docs/runtime.md, beside a run. All but its numbers is compared, for
-they differ each time.
+"""The second terminal's session in docs/runtime.md, executed beside a run.
 
-`pytest tests/cli/test_run_page.py --rewrite-golden` puts the output of today into the page.
+Its output is compared without numbers, which differ each time. `pytest tests/cli/test_run_page.py
+--rewrite-golden` writes the present output into the page.
 """
 
 import re
@@ -14,7 +14,7 @@ _SECOND = re.compile(r"^```console second\n(.*?)^```$", re.DOTALL | re.MULTILINE
 
 
 def shape(text):
-    """A text without what differs each time."""
+    """Return a text without the numbers and times that differ each time."""
     text = re.sub(r"\d{4}-\d\d-\d\dT[\d:+-]+", "WHEN", text)
     return re.sub(r"-?\d+(\.\d+)?", "N", text)
 
@@ -28,7 +28,7 @@ def test_second_terminal(workshop, rewrite_golden):
     run.wait_for("P0030")
     commands = [line[2:] for line in session.splitlines() if line.startswith("$ yarc ")]
     now = "".join(f"$ {command}\n{workshop.here(*command.split()[1:])}" for command in commands)
-    run.kill()  # the rest of it is nobody's concern
+    run.kill()  # the rest of the run isn't needed
     if rewrite_golden and shape(session) != shape(now):
         PAGE.write_text(_SECOND.sub(lambda _: f"```console second\n{now}```", text), encoding="utf-8")
         session = now

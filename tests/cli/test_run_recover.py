@@ -1,4 +1,4 @@
-"""`yarc run --recover`, and start zones from which a program begins by itself, as people see them."""
+"""`yarc run --recover`, and start zones from which a program may begin without a question."""
 
 import json
 import re
@@ -34,7 +34,7 @@ START = [-8, 0, 0, 0, 0, 0]
 
 @pytest.fixture
 def away(workshop, simulator):
-    """A robot that stands elsewhere."""
+    """Start a robot away from the program's start."""
     workshop.write("cell.toml", POST)
     workshop.write("r.yarc", PROGRAM)
     return simulator
@@ -51,12 +51,12 @@ def test_it_goes_there_and_says_how_to_go_on(workshop, away):
     assert "nothing moved (--dry-run)" in shown
     assert away.stands()[0] == pytest.approx(0.0, abs=1e-4)
     text = workshop.yarc(*run_on(away, "--recover", "--yes", program="r.yarc"))
-    assert "INDUSTRIAL6 stands at the start of r.yarc, to a count" in text
-    assert f"to go on: yarc run r.yarc --to {away.address} --tm 10" in text
+    assert "INDUSTRIAL6 is at the start of r.yarc, within one count" in text
+    assert f"to continue: yarc run r.yarc --to {away.address} --tm 10" in text
     assert "P0010" not in text.replace("MOVEJ 1", "")  # nothing of the program was carried out
     assert away.stands() == pytest.approx(START, abs=1e-4)
     again = workshop.here(*run_on(away, "--recover", program="r.yarc"))
-    assert "INDUSTRIAL6 stands at the start of r.yarc already; nothing moved" in again
+    assert "INDUSTRIAL6 is at the start of r.yarc already; nothing moved" in again
     assert "done" in workshop.yarc(*run_on(away, program="r.yarc"))
 
 
@@ -77,7 +77,7 @@ def test_stopped_on_the_way_it_is_recovered_again(workshop, away):
     process.signal(signal.SIGTERM)
     text = process.end(1)
     assert "it was on its way to the start" in text
-    assert f"to go on: yarc run r.yarc --to {away.address} --tm 10 --recover" in text
+    assert f"to continue: yarc run r.yarc --to {away.address} --tm 10 --recover" in text
     assert -7.9 < away.stands()[0] < -1.9
     workshop.yarc(*run_on(away, "--recover", "--yes", program="r.yarc"))
     assert away.stands() == pytest.approx(START, abs=1e-4)
@@ -88,7 +88,7 @@ def test_what_cannot_be_proved_is_refused(workshop, away):
     workshop.write("cell.toml", POST + never)
     text = workshop.here(*run_on(away, "--recover", "--yes", program="r.yarc"), status=1)
     assert "Y1660" in text
-    assert "no motion from where the robot stands to the start" in text
+    assert "no motion from the robot's position to the start" in text
     assert "NEVER" in text
     assert "nothing moved" in text
     assert away.stands()[0] == pytest.approx(0.0, abs=1e-4)
@@ -101,7 +101,7 @@ def test_options_that_exclude_each_other(workshop):
 
 
 def test_from_a_start_zone_nobody_is_asked(workshop, simulator):
-    """The robot stands at HOME, in front of the border of the zone; then in it."""
+    """Outside of the start zone the run is refused without --approach, and inside it begins at once."""
     workshop.write("cell.toml", POST + ZONE)
     workshop.write("r.yarc", PROGRAM)
     refused = workshop.here(*run_on(simulator, program="r.yarc"), status=1)
@@ -109,7 +109,7 @@ def test_from_a_start_zone_nobody_is_asked(workshop, simulator):
     workshop.write("in.yarc", "ROBOT INDUSTRIAL6\nP0010 MOVEJ -2 0 0 0 0 0 [1] (deg,s)\n")
     workshop.yarc(*run_on(simulator, program="in.yarc"))
     text = workshop.here(*run_on(simulator, program="r.yarc"))
-    assert "it stands in the start zone HOME of the cell: it goes there by itself" in text
+    assert "the robot is in the start zone HOME of the cell: it moves there without confirmation" in text
     assert "r.yarc: done" in text
     workshop.write(
         "in.yarc",
@@ -129,7 +129,7 @@ def test_a_served_robot_is_recovered(workshop):
     workshop.write("r.yarc", PROGRAM)
     text = workshop.yarc("run", "r.yarc", "--recover", "--yes")
     assert "serves the robot" in text
-    assert "INDUSTRIAL6 stands at the start of r.yarc, to a count" in text
+    assert "INDUSTRIAL6 is at the start of r.yarc, within one count" in text
     assert "done" in workshop.yarc("run", "r.yarc")
     process.signal(signal.SIGTERM)
     assert "Traceback" not in process.end(0)

@@ -1,6 +1,4 @@
-"""A fault of a run is shown at the line of the source that it is about: live, in the log, and for a
-compiled program.
-"""
+"""A fault of a run is shown at its line of the source: live, in the log, and for a compiled program."""
 
 import contextlib
 import re
@@ -32,7 +30,7 @@ def test_a_fault_in_a_loop_is_shown_at_its_line_and_place(workshop):
     text = workshop.yarc(*words, status=1)
     assert re.search(LINE % "q.yarc", text), text
     assert re.search(r"(executing|in) P0020\(I=[01]\)>P0010 MOVEJ", text)
-    # the log keeps it, also where the source is gone
+    # the log has the line, even if the source is deleted
     (workshop.folder / "q.yarc").unlink()
     shown = workshop.yarc("replay", "run.mcap", "--speed", "max")
     assert re.search(LINE % "q.yarc", shown), shown
@@ -49,7 +47,7 @@ def test_a_compiled_program_leads_back_to_its_source(workshop):
 
     assert re.search(LINE % "q.yarc", fails(simulators[0]))
     workshop.write("q.yarc", TURNS.replace("30 - 20", "31 - 20"))
-    # a text that isn't what its program says doesn't run
+    # a text that differs from its program isn't run
     changed = fails(simulators[1])
     assert re.search(
         r"q\.pmc:\d+:1: error Y1160: P0020\(I=0\)>P0010 MOVEJ: the motion ends .* 1 deg from its goal",

@@ -1,5 +1,6 @@
-"""`yarc run` of a program that teaches places: they are shown, kept, printed by `yarc registers`, and
-compile when they stand in the text.
+"""`yarc run` of a program that teaches places.
+
+The places are shown, kept, and printed by `yarc registers`, and can be compiled in a program's text.
 """
 
 import re
@@ -32,10 +33,10 @@ def test_a_run_keeps_and_shows_where_it_stood(workshop):
     assert all(f"  {name} {values}\n" in shown for name, values in lines.items())
     x, y, z, *turn = map(float, lines["POSE FOUND_POSE"].split(" (")[0].split())
     assert (x, y, *turn) == pytest.approx((0.0, 1174.4, 0.0, 0.0, 0.0), abs=1e-3)
-    assert 850.0 < z < 1000.0  # it was found on the way
+    assert 850.0 < z < 1000.0  # the place is on the line of the search
     declared = "".join(f"{one.strip()}\n" for one in shown.splitlines() if one.startswith("  "))
     begins = SEARCH.replace("INPUT", declared + "INPUT", 1)
     workshop.write("q.yarc", begins + "P0070 MOVEJ FOUND_AT [3]\nP0080 MOVEJ_RPY FOUND_POSE [3]\n")
     workshop.yarc("check", "q.yarc")
     assert "3 values forgotten" in workshop.yarc("registers", "p.yarc", "--forget")
-    assert "no register is kept" in workshop.yarc("registers", "p.yarc")
+    assert "no register values are stored" in workshop.yarc("registers", "p.yarc")

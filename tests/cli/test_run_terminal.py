@@ -1,4 +1,4 @@
-"""`yarc run` in a terminal: keys, questions, the line that changes."""
+"""`yarc run` in a terminal: keys, questions, and the line that is updated."""
 
 import os
 import re
@@ -13,7 +13,7 @@ MOVES = "\x1b[KP0010 MOVEJ  0."
 
 
 def screen(text):
-    """What stands on the screen: a line is written over by what comes behind a carriage return."""
+    """Return the lines on the screen, where text after a carriage return overwrites the line."""
     return [line.rpartition("\x1b[K")[2] for line in text.split("\n")]
 
 
@@ -21,7 +21,7 @@ def test_step_by_step(workshop):
     terminal = workshop.terminal("run", "p.yarc", "--step", "--no-log", "--rate", "4")
     terminal.wait_for("Enter or `yarc resume` for P0020 MOVEJ (2 of 3), Ctrl-C ends the run")
     time.sleep(0.3)
-    assert "for P0030" not in terminal.text  # it waits
+    assert "for P0030" not in terminal.text  # the run waits for Enter
     left = re.search(r"done, ([\d.]+) s left", workshop.here("status"))
     assert float(left[1]) > 0.5, "all that comes after this step"
     terminal.type("\n")
@@ -31,7 +31,7 @@ def test_step_by_step(workshop):
     workshop.here("resume")
     text = terminal.end(0)
     assert "override 50 %" in text
-    assert "p.yarc: done; INDUSTRIAL6 stands where it ends, to a count" in text
+    assert "p.yarc: done; INDUSTRIAL6 is at the program's end, within one count" in text
 
 
 def test_ctrl_c_between_two_steps(workshop):
@@ -40,7 +40,7 @@ def test_ctrl_c_between_two_steps(workshop):
     terminal.type("\x03")
     text = terminal.end(1)
     assert "p.yarc: ended before P0020 MOVEJ" in text
-    assert "INDUSTRIAL6 stands at J1 9.000 deg" in text
+    assert "INDUSTRIAL6 is at J1 9.000 deg" in text
     assert "ended before P0020 MOVEJ" in workshop.here("replay", "run.mcap", "--speed", "max")
 
 
@@ -57,7 +57,8 @@ def test_a_terminal_shows_the_lines_of_a_pipe(workshop):
     piped = workshop.yarc("run", "p.yarc", "--no-log", "--rate", "4")
     shown = workshop.terminal("run", "p.yarc", "--no-log", "--rate", "4").end(0)
     lines = [line.strip("\r") for line in screen(shown)]
-    last, *before = piped.splitlines()  # standard output comes first here, and last on a terminal
+    # in `piped`, standard output comes first; on a terminal it comes last
+    last, *before = piped.splitlines()
     assert sum(line.startswith(("P0010 ", "P0020 ", "P0030 ")) for line in lines) == 3
     assert lines == [*before, last, ""]
 
@@ -67,7 +68,7 @@ def test_the_line_that_changes(workshop):
         "long.yarc",
         "ROBOT INDUSTRIAL6\nP0010 MOVEJ -110 -20 -60 -100 -110 -100 [3] (deg,s)\n",
     )
-    # at this rate a busy computer may delay the robot, but not keep the line from changing
+    # at this rate even a busy computer updates the line while the robot moves
     text = workshop.terminal("run", "long.yarc", "--no-log").end(0)
     written = [part for line in text.split("\n") for part in line.split("\r\x1b[K")]
     begins = "P0010 MOVEJ  0.0 s to 3.0 s of 3.0 s"
@@ -76,12 +77,12 @@ def test_the_line_that_changes(workshop):
     assert len(live) > 3
     for part in written:
         assert len(part) < 80
-    # no value is cut: two decimals each
+    # no value is cut off, and each has two decimals
     for part in live:
         assert re.fullmatch(
             r"P0010 MOVEJ  \d\.\d s of \d\.\d s, \d\.\d s left(  J1 -?\d+\.\d\d( J\d -?\d+\.\d\d)*)?", part
         )
-    assert screen(text)[-2] == "long.yarc: done; INDUSTRIAL6 stands where it ends, to a count"
+    assert screen(text)[-2] == "long.yarc: done; INDUSTRIAL6 is at the program's end, within one count"
 
 
 @pytest.mark.parametrize(("answer", "status"), [("n\n", 1), ("\x03", 1), ("y\n", 0)])
@@ -110,12 +111,12 @@ def test_aborted_on_the_way_to_the_start(workshop, simulator):
     text = terminal.end(1)
     assert "q.yarc: aborted: off its path\n" in text
     assert "  it was on its way to the start\n" in text
-    assert f"  to go on: yarc run q.yarc --to {simulator.address} --tm 10 --approach\n" in text
+    assert f"  to continue: yarc run q.yarc --to {simulator.address} --tm 10 --approach\n" in text
     assert 0.0 < simulator.stands()[0] < 9.0
 
 
 def test_a_window_that_is_closed(workshop, simulator):
-    """The log says how it ended."""
+    """If the terminal's window is closed, the run stops the robot, and its log says so."""
     terminal = workshop.terminal(*run_on(simulator)[:-1], "--log", "run.mcap")
     terminal.wait_for(MOVES)
     terminal.hang_up()
@@ -126,7 +127,7 @@ def test_a_window_that_is_closed(workshop, simulator):
 
 
 def test_a_terminal_that_is_stopped_delays_nobody(workshop, simulator):
-    """Ctrl-S: what is written waits, the robot doesn't."""
+    """After Ctrl-S, the output waits, but the robot doesn't."""
     terminal = workshop.terminal(*run_on(simulator))
     terminal.wait_for(MOVES)
     terminal.type("\x13")
@@ -144,7 +145,7 @@ def test_it_doesnt_go_to_sleep(workshop):
     terminal = workshop.terminal("run", "p.yarc", "--no-log")
     terminal.wait_for(MOVES)
     terminal.type("\x1a")
-    terminal.wait_for("hold: a hold was asked for")
-    assert "this process can't sleep while it drives a robot" in terminal.text
+    terminal.wait_for("hold: hold requested")
+    assert "this process can't be suspended while it drives a robot" in terminal.text
     os.kill(terminal.pid, signal.SIGTERM)
     assert "p.yarc: stopped on its path" in terminal.end(1)

@@ -1,4 +1,4 @@
-"""`yarc serve`: one process owns the robot, others work with it one at a time, watch it, and stop it."""
+"""`yarc serve`: one process owns the robot, and others use it one at a time, watch it, and stop it."""
 
 import json
 import os
@@ -21,7 +21,7 @@ OLD_PYTHONS = [path for path in Path.home().glob(".pyenv/versions/3.8*/bin/pytho
 
 @pytest.fixture
 def served(workshop, simulator):
-    """A served robot whose controller is a simulator in another process; the socket's path."""
+    """Serve a robot whose controller is a simulator in another process; return the server's process."""
     return serve(workshop, "--to", simulator.address)
 
 
@@ -44,7 +44,7 @@ P0010 MOVEJ 9 4 -6 3 6 3 [7] (deg,s)
 P0020 MOVEJ 6 -4 -3 5 2 8 [7] (deg,s)
 P0030 MOVEJ 0 0 0 0 0 0 [7] (deg,s)
 """
-"""Long enough for other processes to begin and end meanwhile."""
+"""A program long enough for other processes to begin and end while it runs."""
 
 
 def to(simulator):
@@ -55,12 +55,12 @@ def test_a_program_is_run_there(workshop, simulator, served):
     text = workshop.yarc("run", "p.yarc", *to(simulator))
     assert f"industrial6-{served.pid} serves the robot" in text
     assert "P0020 MOVEJ  0.7 s to 1.4 s of 2.1 s" in text
-    assert "p.yarc: done; INDUSTRIAL6 stands where it ends, to a count" in text
+    assert "p.yarc: done; INDUSTRIAL6 is at the program's end, within one count" in text
     events = [json.loads(line) for line in workshop.yarc("exec", "p.yarc", *to(simulator)).splitlines()]
     assert events[-1]["well"] is True
     assert {"began", "part", "state", "progress", "finished"} <= {one["event"] for one in events}
     logs = sorted((workshop.folder / "yarc-runs").glob("p-*.mcap"))
-    assert len(logs) == 2  # each owner has its own
+    assert len(logs) == 2  # each owner has a log of its own
     assert events[-1]["log"] in {str(log.relative_to(workshop.folder)) for log in logs}
     assert "P0010 MOVEJ" in workshop.here("replay", str(logs[0]))
     assert {"run owns the robot", "exec owns the robot"} <= {line.strip() for line in served.err}
@@ -96,7 +96,8 @@ def test_one_owns_it_and_everybody_stops_it(workshop, simulator, served):
     assert workshop.here("hold").startswith(f"industrial6-{served.pid}: holding on the path")
     assert_on_path(simulator.comes_to_rest())
     assert "run" in workshop.here("status")
-    assert ": move, " in workshop.here("resume")  # `yarc run` shares that, as in a terminal of its own
+    # commands in other terminals also reach the run of a served robot
+    assert ": move, " in workshop.here("resume")
     assert "ended" in workshop.here("stop")
     assert "long.yarc: stopped on its path" in first.end(1)
     assert "done" in workshop.yarc("run", "p.yarc", "--approach", "--yes", *to(simulator))
@@ -162,7 +163,7 @@ def test_the_prompt_attaches(workshop, simulator, served):
     )
     assert done.returncode == 0, done.stdout + done.stderr
     assert done.stdout.count("done") == 2
-    assert "it holds from now on" in done.stdout
+    assert "it is valid from now on" in done.stdout
     assert (workshop.folder / "way.png").read_bytes().startswith(b"\x89PNG")
     assert "the log is yarc-runs" in done.stdout
     assert simulator.stands() == pytest.approx([0.0] * 6, abs=1e-4)
@@ -207,7 +208,7 @@ def test_a_server_that_is_killed(workshop, simulator, served):
     served.kill()
     last = json.loads(first.end(1).splitlines()[-1])
     assert last["what"] == f"industrial6-{served.pid} has ended"
-    assert_on_path(simulator.comes_to_rest())  # its guard PLC holds it
+    assert_on_path(simulator.comes_to_rest())  # the guard PLC holds the robot
     assert (
         "done" in workshop.yarc("run", "p.yarc", "--approach", "--yes", *to(simulator), status=None) or True
     )
@@ -218,19 +219,19 @@ def test_a_server_that_hangs_is_given_up(workshop, simulator, served):
     first.wait_for('"state": "move"')
     served.signal(signal.SIGSTOP)
     try:
-        assert_on_path(simulator.comes_to_rest())  # its guard PLC holds it
+        assert_on_path(simulator.comes_to_rest())  # the guard PLC holds the robot
         first.signal(signal.SIGTERM)
         time.sleep(3.5)
         first.signal(signal.SIGTERM)
-        assert "nobody knows what the robot does" in json.loads(first.end(1).splitlines()[-1])["what"]
+        assert "the robot's state is unknown" in json.loads(first.end(1).splitlines()[-1])["what"]
         text = workshop.yarc("run", "p.yarc", *to(simulator), status=1)
-        assert f"process {served.pid}" in text  # who holds the controller's lock
+        assert f"process {served.pid}" in text  # the process that holds the controller's lock
     finally:
         served.signal(signal.SIGCONT)
 
 
 def test_a_terminal_that_is_not_read_delays_nobody(workshop, simulator, home):
-    """The pipe of what it tells is full soon; orders are carried out all the same."""
+    """The pipe for the server's output is full, and orders are still carried out."""
     import fcntl
 
     reading, writing = os.pipe()
@@ -258,7 +259,7 @@ def test_a_terminal_that_is_not_read_delays_nobody(workshop, simulator, home):
         os.close(writing)
 
 
-# the client of one file
+# the client that consists of one file
 
 
 def test_the_client_finds_and_moves_a_robot(workshop, simulator, served, home):
@@ -276,7 +277,7 @@ def test_the_client_finds_and_moves_a_robot(workshop, simulator, served, home):
         assert refused.value.code == "Y1611"
         assert robot.go(made["number"])["well"]
         assert simulator.stands() == pytest.approx([5, 0, 0, 0, 20, 0], abs=1e-3)
-        with pytest.raises(Refused, match="doesn't stand any more"):
+        with pytest.raises(Refused, match="isn't any more at the position"):
             robot.go(made["number"])
         wrong = robot.offer("MOVEJ 500 0 0 0 0 0 [1] (deg,s)")
         assert wrong["offer"] is None
@@ -305,8 +306,9 @@ def test_the_client_hears_events_and_stops_from_elsewhere(workshop, simulator, s
 
 
 def test_what_one_connection_orders_is_heard_in_this_order(workshop, simulator, served, home):
-    """A stop behind a run on the same connection ends it, however soon it comes: nobody waits for an
-    answer between.
+    """Orders on one connection are carried out in their order.
+
+    A stop just after a run ends it, even if it is sent before the run's answer.
     """
     with Robot(name="me") as robot:
         robot.own()
@@ -354,7 +356,7 @@ def assert_rests(simulator):
 
 
 def test_attaching_is_quick(served, home):
-    """From connecting to the first event."""
+    """The time from connecting to the first event is short."""
     took = []
     for _ in range(5):
         begun = time.perf_counter()
@@ -395,11 +397,9 @@ def test_the_socket_is_its_users_alone(served):
 
 
 def test_a_controller_that_isnt_there_yet(workshop):
-    """Whoever serves a robot waits for its controller, and says so; whoever wants to move it hears why it
-    doesn't.
-    """
+    """A server waits for its controller and says so, and a run is refused with this reason."""
     served = serve(workshop, "--to", "tcp://127.0.0.1:9")
-    served.wait_for("there is no connection yet: 127.0.0.1:9 can't be reached")
+    served.wait_for("no connection yet: 127.0.0.1:9 can't be reached")
     shown = workshop.yarc("run", "p.yarc", "--to", "tcp://127.0.0.1:9", status=1)
     assert "no connection" in shown
     served.signal(signal.SIGTERM)

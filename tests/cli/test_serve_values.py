@@ -1,5 +1,6 @@
-"""Values from outside as people use them: `yarc serve --values`, a camera over TCP, one on the run's own
-socket, and a simulated one.
+"""Values from outside as people use them.
+
+They come through `yarc serve --values`, from a camera over TCP or on the run's socket, or are simulated.
 """
 
 import re
@@ -40,8 +41,8 @@ def test_a_camera_over_tcp_gives_values_to_a_served_robot(workshop):
         "serve", "--robot", "INDUSTRIAL6", "--no-log", "--values", "0", "--values-token", "token"
     )
     process.wait_for("is served: ")
-    process.wait_for("by the token in")
-    place = re.search(r"values are taken at (127\.0\.0\.1:\d+), by the token in token", process.text)[1]
+    process.wait_for("with the token in")
+    place = re.search(r"values are accepted at (127\.0\.0\.1:\d+), with the token in token", process.text)[1]
     file = workshop.folder / "token"
     assert stat.S_IMODE(file.stat().st_mode) == 0o600
     token = file.read_text().strip()

@@ -1,5 +1,6 @@
-"""`yarc settings`: printed only if it is proved; files are judged; no door moves a robot by settings that
-aren't proved.
+"""`yarc settings` writes only proved settings, and judges files.
+
+No command moves a robot by settings that aren't proved.
 """
 
 import json
@@ -25,7 +26,7 @@ def yarc(*arguments, status=0, content=None):
 
 @pytest.fixture
 def wrong(monkeypatch):
-    """A writer that forgets the couplings."""
+    """Make the writer of settings ignore the couplings."""
     rate = writer._motor_rate
     monkeypatch.setattr(writer, "_motor_rate", lambda robot, joint_rate: 2.0 * rate(robot, joint_rate))
 
@@ -81,8 +82,8 @@ def test_an_edited_text_is_proved_with_warnings(saved):
     saved.write_text(saved.read_text().replace("I120=50 ", "I120=70 "))
     result = yarc("settings", "INDUSTRIAL6", "--check", saved)
     assert (
-        f"{saved}:38:1: warning Y1176: I120=70 is proved too, but `yarc settings INDUSTRIAL6` prints I120=50"
-        in result.stderr
+        f"{saved}:38:1: warning Y1176: the proof holds for I120=70 too, "
+        "but `yarc settings INDUSTRIAL6` prints I120=50" in result.stderr
     )
     assert "proved for INDUSTRIAL6" in result.stdout
 
@@ -98,7 +99,7 @@ def test_an_edited_text_is_proved_with_warnings(saved):
         (b"; motors", b"; m\x85#1J+", ": error Y1170: line 30 has the character 0x85"),
         (b"; motors", "; Schweißen".encode(), ": error Y1170: line 30 has the character 0xC3"),
         (b"; settings", b"\xef\xbb\xbf; settings", ":1:1: error Y1170: line 1 has the character 0xEF"),
-        (b"I42=0", b"I42=1", ": error Y1174: I42=1: 0 belongs there"),
+        (b"I42=0", b"I42=1", ": error Y1174: I42=1: it must be 0"),
         (b"M8116=0", b"M8116=1", ": error Y1175: line "),
     ],
 )
@@ -127,7 +128,7 @@ def test_files_that_cannot_be_read(tmp_path):
     assert "error Y1170" in yarc("settings", "INDUSTRIAL6", "--check", "-", content=b"", status=1).stderr
 
 
-# doors
+# commands that move a robot
 
 
 SAID = "the settings of INDUSTRIAL6 aren't proved: I115=12.2558: an abort brakes J1"
@@ -154,7 +155,10 @@ def test_no_simulated_robot_moves_by_wrong_settings(wrong, program, tmp_path):
 
 
 def test_no_controller_is_asked_by_wrong_settings(wrong, program):
-    """Nothing is sent: nobody listens there, and that isn't even noticed."""
+    """With wrong settings, no command contacts the controller.
+
+    Nobody listens at the address here, which isn't even noticed.
+    """
     robot = ("--robot", "INDUSTRIAL6", "--to", "tcp://127.0.0.1:1")
     assert SAID in yarc("run", program, *robot, "--no-log", status=1).stderr
     assert SAID in yarc("doctor", *robot, status=1).stderr

@@ -1,6 +1,6 @@
-"""The session of docs/simulator.md with `yarc sim`: two terminals and a client, on a port that is free.
+"""The session of docs/simulator.md with `yarc sim`: two terminals and a client, on a free port.
 
-`pytest tests/cli/test_simulator_page.py --rewrite-golden` puts the output of today into the page.
+`pytest tests/cli/test_simulator_page.py --rewrite-golden` writes the present output into the page.
 """
 
 import os
@@ -18,7 +18,7 @@ _PORT = "1025"
 
 
 def started(command, folder):
-    """A command in a terminal of its own; what it writes to either output, in one."""
+    """Start a command whose two outputs are read as one."""
     path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
     return subprocess.Popen(
         ["bash", "-c", command],

@@ -1,5 +1,6 @@
-"""`yarc plot` of many programs and `yarc reach` of many robots: the same pictures in several processes,
-and one fault costs one picture.
+"""`yarc plot` of many programs and `yarc reach` of many robots, in several processes.
+
+The pictures are the same as from one process, and an error costs only one picture.
 """
 
 import shutil

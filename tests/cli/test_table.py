@@ -1,4 +1,4 @@
-"""The certificate as a table."""
+"""The certificate as a table in the terminal."""
 
 import contextlib
 import fcntl
@@ -100,7 +100,7 @@ END
 P0050 CALL SWING 35
 P0060 MOVEJ 0 0 0 0 -30 0
 """
-"""A program of 15 commands from four lines of its source."""
+"""A program of four source lines that has 15 commands."""
 
 
 @pytest.fixture(scope="module")
@@ -126,7 +126,7 @@ def test_lines_that_are_carried_out_often_are_one_row_with_the_worst_of_all_time
     assert f"{max(one.duration for one in swings):.3f}" in rows[0]
     fastest = max((one.velocity for one in swings), key=lambda load: load.share)
     assert f"{fastest.name} {fastest.share * 100:.0f}%" in rows[0]
-    assert note.startswith("4 lines of the source, carried out 15 times: ")
+    assert note.startswith("4 lines of the source, executed 15 times: ")
     assert note.endswith("--full shows all.")
 
 
@@ -197,7 +197,7 @@ def test_a_short_program_shows_each_command_and_nothing_more():
 
 @pytest.fixture(scope="module")
 def wordy(tmp_path_factory):
-    """The same program for a robot whose joints have long names."""
+    """Compile the same program for a robot with long joint names."""
     folder = tmp_path_factory.mktemp("wordy")
     for file in (stdlib_folder() / "robots" / "industrial6").iterdir():
         text = file.read_text()
@@ -244,7 +244,7 @@ def test_motions_with_a_part_are_marked():
     for row, command in zip(rows, made.certificate.commands, strict=False):
         assert (f"{command.name} *" in row) == bool(command.carries)
     assert any(command.carries for command in made.certificate.commands)
-    assert rows[-1] == "* the robot carries a part."
+    assert rows[-1] == "* marks commands during which the robot carries a part."
 
 
 def test_a_pipe_gets_the_same_whatever_the_terminal_is(tmp_path):
@@ -307,5 +307,5 @@ def test_a_long_chain_is_one_row():
     assert chain[3:5] == ["MOVEL", "59"]
     whole = sum(one.duration for one in made.certificate.commands[1:-1])
     assert float(chain[5]) == pytest.approx(whole, abs=1e-3)
-    assert "3 lines of the source, or chains of more than 40, carried out 61 times" in rows[-1]
+    assert "3 lines of the source, or chains of more than 40, executed 61 times" in rows[-1]
     assert len(certificate_table(made.certificate, full=True).split("\n")) == 2 + 61

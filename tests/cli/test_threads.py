@@ -1,4 +1,4 @@
-"""Threads of matrix products: one, unless the environment says otherwise."""
+"""Matrix products use one thread, unless the environment says otherwise."""
 
 import os
 

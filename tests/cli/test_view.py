@@ -1,6 +1,4 @@
-"""`yarc view` as it is typed: what it refuses, and in which words. What it shows is looked at in
-tests/view.
-"""
+"""The usage of `yarc view`, and its refusals with their texts; tests/view checks what it shows."""
 
 import importlib.util
 import socket

@@ -1,4 +1,4 @@
-"""`yarc view --live`: a served robot is watched, its inputs are set, and it is found again."""
+"""`yarc view --live`: it watches a served robot, sets its inputs, and finds the robot again."""
 
 import asyncio
 import contextlib
@@ -18,7 +18,7 @@ from yarclang.view.reaching import Whose
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 START = "40,-15,-25,0,-50,0"
-"""Where the example starts."""
+"""Joint positions where the example starts [deg]."""
 
 
 @pytest.fixture
@@ -42,7 +42,7 @@ async def until(condition, within=60.0):
 
 @contextlib.asynccontextmanager
 async def watching(monkeypatch):
-    """The page of a live view, as soon as it is there."""
+    """Yield the page of a live view as soon as it is drawn."""
     pages = []
 
     class Seen(live.LivePage):
@@ -64,7 +64,7 @@ async def watching(monkeypatch):
 
 
 def test_a_program_goes_on_by_an_input_that_is_set_in_the_panel(workshop, home, monkeypatch):
-    """The cell and its inputs are those of the program, which the server didn't know before."""
+    """The page shows the program's cell and inputs, which the server didn't know before."""
     for name in ("12_machine_cell.yarc", "12_machine_cell.toml"):
         workshop.write(name, (EXAMPLES / name).read_text())
     serve(workshop)
@@ -98,7 +98,7 @@ def test_a_server_that_is_killed_and_started_again(workshop, home, monkeypatch):
             await until(lambda: not page._lost)
             assert str(again.pid) in page._stage.subtitle
             again.signal(signal.SIGSTOP)
-            await until(lambda: "nothing was heard" in page._lost)
+            await until(lambda: "no message was received for" in page._lost)
             again.signal(signal.SIGCONT)
             await until(lambda: not page._lost)
 

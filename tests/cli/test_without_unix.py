@@ -1,5 +1,6 @@
-"""Programs can be checked, compiled and drawn where Unix modules are missing; what works with a robot says
-that it can't.
+"""Without Unix modules, programs can still be checked, compiled and drawn.
+
+Commands that need a robot say that they can't work.
 """
 
 import os

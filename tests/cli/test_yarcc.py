@@ -166,7 +166,7 @@ def test_versions(runner):
 
 
 def test_the_commands_start_without_a_planner():
-    """What --help needs: no numpy, no Pinocchio, no Lark, no rich."""
+    """What --help needs doesn't import numpy, Pinocchio, Lark or rich."""
     code = "import sys, yarclang.cli.yarcc, yarclang.cli.yarc; print(*sys.modules)"
     loaded = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True
@@ -183,7 +183,7 @@ def test_the_commands_start_without_a_planner():
     ],
 )
 def test_what_a_start_does_not_import(tmp_path, words, needless):
-    """Each of these takes 10 ms and more, which Listing 4 can do without."""
+    """Each of these modules takes 10 ms or more, and isn't needed to compile Listing 4."""
     command, *arguments = words.split()
     known = {"FILE": str(EXAMPLES / "01_listing4.yarc"), "OUT": str(tmp_path / "out.pmc")}
     arguments = [known.get(word, word) for word in arguments]

@@ -1,7 +1,7 @@
-"""`yarcc` is ended in the middle: killed, interrupted, without room, without rights. There is no text then,
-or the whole certified one.
+"""`yarcc` is killed, interrupted, or has no room or rights to write.
 
-All runs are forks of one process that has imported everything, so that twenty of them take seconds.
+The target file is then absent or unchanged, or it is a whole certified text. All runs are forks of one
+process that has imported everything, so that twenty of them take only seconds.
 """
 
 import json
@@ -84,7 +84,7 @@ for line in sys.stdin:
 
 
 def chain(count):
-    """A winding line of short pieces."""
+    """Return a program of a winding line in many short pieces."""
     lines, x, y = (
         ["DEFAULT {TCP} [V 50] (mm,deg,s) {B}", "P0001 MOVEJ_RPY 40 1000 1000 0 0 0 [5]"],
         40.0,
@@ -109,7 +109,7 @@ class Runs:
         )
         (folder / "chain.yarc").write_text(chain(LINES))
         (folder / "short.yarc").write_text("P0010 MOVEJ 10 0 0 0 0 0 [2] (deg,s)\n")
-        # everything is imported, and the robot read
+        # the first run imports everything and reads the robot
         assert self.run("short.yarc", "-o", "/dev/null") == 0, self.out.read_text()
         began = time.monotonic()
         assert self.run("chain.yarc") == 0, self.out.read_text()
@@ -117,8 +117,11 @@ class Runs:
         self.certified = (folder / "chain.pmc").read_bytes()
 
     def run(self, file, *arguments, after=None, by=signal.SIGKILL, change=None):
-        """Run it, and return its status; `after` so many seconds it gets a signal, `change` = (function,
-        place, what happens there).
+        """Run `yarcc`, and return its status.
+
+        Args:
+            after: a time [s] after which the run gets the signal `by`.
+            change: a function to replace, as (function, place, what happens there).
         """
         destination = () if "-o" in arguments else ("-o", self.folder / file.replace(".yarc", ".pmc"))
         words = [self.folder / file, "--robot", "INDUSTRIAL6", *destination, *arguments]
@@ -132,7 +135,7 @@ class Runs:
         child = int(self.driver.stdout.readline())
         if after is not None:
             time.sleep(after)
-            # it hasn't been waited for before it has ended, so this is still its number or nobody's
+            # the process wasn't waited for, so its number isn't used by another process
             with suppress(ProcessLookupError):
                 os.kill(child, by)
         self.signalled = time.monotonic()
@@ -166,7 +169,7 @@ IN_WRITING = [
 
 
 def test_a_kill_at_twenty_instants_leaves_nothing_or_the_whole_text(runs):
-    """Twelve over the whole run, with and without a text from before, and eight while the text is written."""
+    """Twelve kills are spread over the run, with and without an old text, and eight are at the writing."""
     text, old = runs.folder / "chain.pmc", b"what was there before\n"
     killed = 0
     for number, share in enumerate(np.linspace(0.02, 1.0, 12)):
@@ -177,7 +180,7 @@ def test_a_kill_at_twenty_instants_leaves_nothing_or_the_whole_text(runs):
     for where, place in IN_WRITING:
         text.unlink(missing_ok=True)
         assert runs.run("short.yarc", change=(where, place, "kill"), after=None) == -signal.SIGKILL
-    # what was being written has another name, which no pattern for programs finds, and nobody trips over it
+    # partly written texts have names that no pattern for programs matches, and they disturb no later run
     left = set(runs.files) - {*BEFORE, "short.pmc"}
     assert all(one.startswith((".short.pmc.", ".chain.pmc.")) for one in left)
     assert len(left) <= 8
@@ -198,7 +201,7 @@ def test_ctrl_c_ends_it_at_once_on_one_line(runs):
         assert (
             time.monotonic() - runs.signalled < 1.0 + runs.lasting / 4.0
         )  # on a busy computer it takes longer
-        if text.exists():  # it had ended
+        if text.exists():  # the run had already ended
             assert text.read_bytes() == runs.certified
             text.unlink()
             continue

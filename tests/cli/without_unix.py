@@ -1,10 +1,9 @@
-"""Run yarc or yarcc, or import modules, as on a system that has none of what only Unix has.
+"""Run yarc or yarcc, or import modules, as on a system without what only Unix has.
 
     python without_unix.py yarc check first.yarc
     python without_unix.py imports yarclang.lsp.server
 
-Modules can't be imported, and names are gone; all else is Linux still: paths, processes and files are not
-those of another system.
+Unix modules can't be imported, and Unix names are removed. Paths, processes and files still work as on Linux.
 """
 
 import importlib
@@ -24,7 +23,7 @@ NAMES = {
 
 
 class Hidden(importlib.abc.MetaPathFinder):
-    """Finds no module of Unix."""
+    """A finder that finds no Unix module."""
 
     def find_spec(self, name, path=None, target=None):
         if name in MODULES:

@@ -1,5 +1,5 @@
-"""Distances that share nothing with yarclang: Pinocchio's own reading of URDF and SRDF, coal, and fine
-samples.
+"""Distances by fine samples, computed without yarclang: Pinocchio reads the URDF and SRDF, and coal computes
+the distances.
 """
 
 import coal
@@ -10,7 +10,7 @@ from yarclang.shapes import Box, Capsule, Cylinder, Sphere
 
 
 def shape_of(shape):
-    """A shape as coal has it."""
+    """Return a shape as one of coal's."""
     match shape:
         case Box(size=size):
             return coal.Box(*size)
@@ -23,7 +23,7 @@ def shape_of(shape):
 
 
 class Dense:
-    """A robot of the library, or in a folder, with obstacles of a cell (no meshes)."""
+    """A robot from the library or a folder, with the obstacles of a cell (no meshes)."""
 
     def __init__(self, robot, cell=None):
         path = str(robot.folder / robot.urdf)
@@ -53,7 +53,7 @@ class Dense:
         self.data, self.state = self.geometry.createData(), self.model.createData()
 
     def _ends(self, robot):
-        """The flange's joint and place on it, and where {B} stands, which no joint moves."""
+        """Return the flange's joint and its pose on the joint, and the pose of {B}, which no joint moves."""
         import tomllib
 
         named = tomllib.loads((robot.folder / "robot.toml").read_text())
@@ -64,7 +64,7 @@ class Dense:
         return frames[0].parentJoint, frames[0].placement.homogeneous, frames[1].placement.homogeneous
 
     def distances(self, q):
-        """(P, K) [m]."""
+        """Return the distances (P, K) of all pairs at joint positions [m]."""
         found = np.empty((len(q), len(self.pairs)))
         for row, values in enumerate(q):
             pin.computeDistances(self.model, self.state, self.geometry, self.data, values)
@@ -72,7 +72,9 @@ class Dense:
         return found
 
     def names(self, pair):
-        """The links or obstacles of a pair; Pinocchio adds a number to a link's name."""
+        """Return the names of a pair's links or obstacles. (Pinocchio adds a number to the name of
+        a link.)
+        """
         objects = self.geometry.geometryObjects
         return {
             objects[at].name.rsplit("_", 1)[0] if at < self.links else objects[at].name
@@ -80,5 +82,5 @@ class Dense:
         }
 
     def wanted(self, pair):
-        """The margin of a pair."""
+        """Return the margin of a pair."""
         return max(self.margin[at] for at in self.pairs[pair])

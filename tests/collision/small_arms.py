@@ -1,5 +1,5 @@
-"""Small random arms with shapes: as URDF text, as yarclang reads it, and as Pinocchio and coal do; with a
-cell around.
+"""Small random arms with shapes, in a cell: as URDF text, as read by yarclang, and as read by Pinocchio and
+coal.
 """
 
 from dataclasses import dataclass, replace
@@ -20,11 +20,11 @@ from yarclang.robot.urdf import read_urdf
 from yarclang.source import SourceFile
 
 ARMS = 60
-"""So many arms there are: to read one takes longer than to move it."""
+"""Number of different arms. Reading an arm takes longer than moving it, so each is used several times."""
 
 
 def urdf_text(random, size):
-    """Links of 0.1 to 0.5 m, one behind the other, each with one or two shapes."""
+    """Return the URDF of links of 0.1 to 0.5 m in a chain, each with one or two shapes."""
     lines = ['<robot name="small" version="1.1">', f'<link name="foot">{collision(random, 0.1)}</link>']
     above, length = "foot", 0.15
     for number in range(1, size + 1):
@@ -52,7 +52,7 @@ def urdf_text(random, size):
 
 
 def collision(random, length):
-    """A shape along a link."""
+    """Return a shape along a link."""
     thick = random.uniform(0.01, 0.08)
     shape = [
         f'<box size="{thick:.4f} {2 * thick:.4f} {length:.4f}"/>',
@@ -69,7 +69,7 @@ def collision(random, length):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Arm:
-    """An arm, and Pinocchio's own reading of the same text."""
+    """An arm, and Pinocchio's reading of the same text."""
 
     robot: Robot
     text: str
@@ -79,7 +79,7 @@ class Arm:
 
 @cache
 def arm(number):
-    """One of the arms."""
+    """Return the arm with a number."""
     random = np.random.default_rng(number)
     text = urdf_text(random, 1 + number % 4)
     urdf = read_urdf(SourceFile("small.urdf", text))
@@ -100,8 +100,8 @@ def arm(number):
 
 
 class Watched:
-    """Pinocchio's geometry of an arm with tools on its flange, in a cell: nothing here comes from yarclang
-    but the numbers of the cell.
+    """Pinocchio's geometry of an arm with tools on its flange, in a cell. Only the numbers of the cell come
+    from yarclang.
     """
 
     def __init__(self, arm, cell, tools):
@@ -137,7 +137,7 @@ class Watched:
         )
 
     def _pairs(self):
-        """What must not meet: not neighbours, nor links that touch in HOME."""
+        """Return the pairs that must not meet: no neighbours, and no links that touch in HOME."""
         bodies = self.geometry.geometryObjects
         pin.updateGeometryPlacements(
             self.model, self.state, self.geometry, data := self.geometry.createData(), np.zeros(self.model.nq)
@@ -163,7 +163,7 @@ class Watched:
         return [pair for pair in pairs if frozenset(self.names[at] for at in pair) not in home]
 
     def distances(self, q):
-        """(P, K) [m]."""
+        """Return the distances (P, K) of all pairs at joint positions [m]."""
         found = np.empty((len(q), len(self.pairs)))
         for row, values in enumerate(q):
             pin.computeDistances(self.model, self.state, self.geometry, self.data, values)
@@ -172,7 +172,7 @@ class Watched:
 
 
 def tool_of(random):
-    """A tool of two shapes on the flange."""
+    """Return a tool of two shapes on the flange."""
     from tests.collision.test_proof import mount, some_shape
 
     parts = [

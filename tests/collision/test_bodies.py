@@ -1,5 +1,5 @@
-"""What a robot and a cell are made of, and what is said where something is missing; and what the compiler
-says of collisions.
+"""Tests of the bodies of a robot and a cell, of findings about missing ones, and of the compiler's findings
+about collisions.
 """
 
 import json
@@ -32,7 +32,7 @@ POST = UNITS + (
 
 
 def cube(half, center=(0.0, 0.0, 0.0)):
-    """A binary STL of a cube."""
+    """Return a binary STL of a cube."""
     corners = np.array(list(product([-half, half], repeat=3))) + center
     faces = ["013", "032", "467", "475", "045", "051", "237", "276", "026", "064", "157", "173"]
     body = b"".join(
@@ -64,7 +64,8 @@ def test_an_obstacle_is_hit(tmp_path):
     assert value is None
     assert finding.code == "Y0901"
     assert re.match(
-        r"link_\d goes [\d.]+ mm into POST, from [\d.]+ s to [\d.]+ s .* \(\d+ % to \d+ %\)", finding.message
+        r"link_\d penetrates POST by [\d.]+ mm, from [\d.]+ s to [\d.]+ s .* \(\d+ % to \d+ %\)",
+        finding.message,
     )
     assert "{TCP} at " in finding.message
     assert "with the joints at 3" in finding.message
@@ -72,7 +73,7 @@ def test_an_obstacle_is_hit(tmp_path):
 
 
 def test_the_margin_counts(tmp_path):
-    # link_6's edge is 1.0751 m from the first axis, the post begins behind it
+    # The edge of link_6 is 1.0751 m from the first axis, and the post begins beyond it.
     post = POST.replace("[-600, 800, 1200]", "[-1100, 0, 1200]")
     program = "P0010 MOVEJ 100 0 0 0 0 0"
     value, found = with_cell(tmp_path, post, program)
@@ -87,7 +88,7 @@ def test_the_margin_counts(tmp_path):
 
 
 def angle_iron():
-    """A binary STL of a floor and a wall beside it, 800 mm wide."""
+    """Return a binary STL of a floor with a wall beside it, 800 mm wide."""
     corners = np.array(
         [[-400, -400, 0], [400, -400, 0], [400, 400, 0], [-400, 400, 0], [400, -400, 900], [400, 400, 900]]
     )
@@ -103,7 +104,7 @@ def angle_iron():
     ("gap", "found"), [(0.05, ["Y0930"]), (0.5, []), (-1.0, ["Y0903"]), (-11.0, ["Y0901"])]
 )
 def test_what_grazes_a_hollow_mesh_is_not_proved(tmp_path, gap, found):
-    """The lowest link over the floor is link_5, whose skin is 50 mm below the axis of the arm."""
+    """The lowest link over the floor is link_5, whose surface is 50 mm below the arm's axis."""
     (tmp_path / "iron.stl").write_bytes(angle_iron())
     cell = UNITS + (
         '[[obstacles]]\nname = "IRON"\nshape = "mesh"\nframe = "B"\nfile = "iron.stl"\nmargin = 10\n'
@@ -146,7 +147,7 @@ def test_a_tool_hits_where_the_arm_alone_does_not(tmp_path):
         "length = 100\n"
     )
     (finding,) = with_cell(tmp_path, post + tool, program)[1]
-    assert "NOZZLE goes" in finding.message
+    assert "NOZZLE penetrates" in finding.message
 
 
 def test_the_robot_hits_itself():
@@ -165,11 +166,11 @@ def test_a_broken_mesh_stops_the_compiler(tmp_path, content):
 
 
 def test_a_mesh_is_solid_inside(tmp_path):
-    """A link that stands wholly within a closed mesh touches none of its triangles."""
+    """A link that is completely inside of a closed mesh touches none of its triangles, but collides."""
     (tmp_path / "hall.stl").write_bytes(cube(3000.0))
     cell = UNITS + '[[obstacles]]\nname = "HALL"\nshape = "mesh"\nframe = "B"\nfile = "hall.stl"\n'
     assert codes(with_cell(tmp_path, cell, "P0010 MOVEJ 10 0 0 0 0 0")[1]) == ["Y0901"]
-    # without its lid it is a room to work in
+    # Without its lid, the mesh is a room in which the robot can work.
     whole = cube(3000.0)
     (tmp_path / "hall.stl").write_bytes(whole[:80] + struct.pack("<I", 10) + whole[84 : 84 + 500])
     assert codes(with_cell(tmp_path, cell, "P0010 MOVEJ 10 0 0 0 0 0")[1]) == []
@@ -201,9 +202,7 @@ def test_a_mesh_of_a_link_counts_as_its_hull(tmp_path):
 def test_allowed_pairs(tmp_path):
     program = "P0010 MOVEJ 0 0 -160 0 0 0 [20] (deg,s)"
     message = compiled(program)[1][0].message
-    pairs = {
-        tuple(sorted(pair)) for pair in re.findall(r"(link_\d) (?:and|goes \S+ mm into) (link_\d)", message)
-    }
+    pairs = {tuple(sorted(pair)) for pair in re.findall(r"(link_\d) (?:and|penetrates) (link_\d)", message)}
     assert len(pairs) > 1
     listed = ", ".join(f'["{one}", "{other}"]' for one, other in sorted(pairs)[1:])
     folder = changed(
@@ -241,7 +240,7 @@ def test_pairs_that_name_no_links(tmp_path, table, srdf, code, word):
 
 
 def test_links_that_always_touch(tmp_path):
-    """Shapes that are too large meet in HOME: they aren't checked, and the checklist says so with what to
+    """Links with too large shapes touch in HOME. They aren't checked; the checklist says so, and what to
     write.
     """
     folder = changed(
@@ -261,8 +260,8 @@ def test_links_that_always_touch(tmp_path):
 
 
 def test_a_new_robot_lets_touch_what_always_does(tmp_path):
-    """Pairs that touch wherever the robot is are proposed, with a mark; what can really hit each other
-    isn't.
+    """For a new robot, pairs that touch in all joint positions are allowed to touch, with a mark. Pairs that
+    can really collide aren't.
     """
     urdf = tmp_path / "a.urdf"
     text = (stdlib_folder() / "robots" / "industrial6" / "industrial6.urdf").read_text()
@@ -281,7 +280,7 @@ def test_a_new_robot_lets_touch_what_always_does(tmp_path):
     assert load_robot(str(tmp_path / "wide")).value.allowed == {("link_3", "link_5")}
     told = CliRunner().invoke(main, ["robot", "check", str(tmp_path / "wide")]).output
     assert "they touch in" in told
-    assert "touching links: none" in told
+    assert "touching links: no links touch all the time" in told
 
 
 def test_a_robot_without_shapes_is_told_and_compiles(tmp_path):
@@ -291,7 +290,9 @@ def test_a_robot_without_shapes_is_told_and_compiles(tmp_path):
     value, found = compiled("P0010 MOVEJ 0 0 -160 0 0 0 [20] (deg,s)", folder)
     assert not [one for one in found if one.is_error]
     assert value.certificate.commands[0].own_clearance is None
-    assert "nothing is checked for collisions" in CliRunner().invoke(main, ["robot", "check", folder]).output
+    assert (
+        "no collision of the robot is checked" in CliRunner().invoke(main, ["robot", "check", folder]).output
+    )
 
 
 def test_table_and_json(tmp_path):
@@ -315,8 +316,8 @@ def test_table_and_json(tmp_path):
 
 
 def test_bodies_that_overlap_have_no_distance_however_they_are_asked(tmp_path):
-    """Without a depth, coal gives some of them a tiny distance and not zero: a robot would be told to be
-    free there.
+    """Bodies that overlap have no distance. Without asking for a penetration depth, coal gives some of them a
+    tiny distance instead of zero, so the robot would count as free.
     """
     (tmp_path / "cell.toml").write_text(
         UNITS

@@ -1,4 +1,4 @@
-"""Bounds with some room above the truth are held against a second calculation of the same sums."""
+"""Tests of bounds that are slightly above the truth, by a second computation of the same sums."""
 
 from dataclasses import replace
 from itertools import product
@@ -55,7 +55,7 @@ def test_accelerations_are_the_sum_over_pairs_of_joints(seed):
 @pytest.mark.parametrize("seed", range(5))
 @pytest.mark.parametrize("kinds", ["R", "RP", "RRP"])
 def test_rates_of_points_are_those_of_series(kinds, seed):
-    """Axes at x = 0, 1, 2 m turn about z or slide along x; the item is a point at x = 4 m."""
+    """Axes at x = 0, 1 and 2 m turn about z or slide along x. The item is a point at x = 4 m."""
     random = np.random.default_rng(seed)
     size = len(kinds)
     screws = [
@@ -86,7 +86,7 @@ def test_balls_are_as_far_away_as_their_way_allows():
     region = HalfSpace(-Z, 0.0)
     item = SimpleNamespace(middle=NOTHING, bound=0.1)
     ends = tuple(SimpleNamespace(point=lambda _, z=z: np.array([[0.0, 0.0, z]])) for z in (1.0, 1.4))
-    # 0.6 m of way from 1.0 m to 1.4 m: down to 0.9 m at the lowest, and the ball's radius less
+    # A path of 0.6 m from a height of 1.0 m to 1.4 m can lead down to 0.9 m. The ball's radius is subtracted.
     assert roughly_outside(region, item, ends, np.array([0.6])) == pytest.approx(0.8, abs=1e-12)
 
 
@@ -107,11 +107,11 @@ def test_faces_of_a_box_touch_its_corners(seed):
 
 
 CORNERS = np.array([[0.0, 0.0, 0.0], [200.0, 0.0, 0.0], [0.0, 300.0, 0.0], [0.0, 0.0, 400.0]])
-"""Of a tetrahedron [mm], which no turn by 180 deg brings onto itself."""
+"""Corners of a tetrahedron [mm] that no rotation by 180 deg maps to itself."""
 
 
 def tetrahedron():
-    """Return it as a binary STL."""
+    """Return the tetrahedron as a binary STL."""
     rows = (CORNERS[[int(at) for at in face]] for face in ("021", "013", "032", "123"))
     body = b"".join(bytes(12) + one.astype("<f4").tobytes() + bytes(2) for one in rows)
     return bytes(80) + (4).to_bytes(4, "little") + body
@@ -119,7 +119,7 @@ def tetrahedron():
 
 @pytest.mark.parametrize("seed", range(6))
 def test_planes_hold_corners_apart(industrial6, tmp_path, seed):
-    """What a plane leaves between two tetrahedra is what it leaves between their corners."""
+    """The gap that a plane leaves between two tetrahedra is the gap between their corners."""
     random = np.random.default_rng(seed)
     (tmp_path / "body.stl").write_bytes(tetrahedron())
     shape = Mesh(tmp_path / "body.stl", 0.001, "")

@@ -1,9 +1,9 @@
-"""No collision is missed: thousands of small arms in cells, along random motions, against fine samples of
-Pinocchio's own geometry.
+"""Random tests that no collision is missed: thousands of small arms in cells, along random motions, are
+compared with fine samples of Pinocchio's own geometry.
 
-2,000 are drawn, about half a minute of one core; YARCLANG_RANDOM_CELLS=50000 in the environment draws so
-many, for a night. A fault is told with its numbers: `hunted` with them shows it again. That the proof is of
-the curve that a program's text executes is held by real programs besides.
+2,000 cases take about half a minute of one core; with YARCLANG_RANDOM_CELLS=50000 in the environment, that
+many are drawn, for a night. A failure is reported with the arguments with which `hunted` reproduces it. Tests
+with real programs check that the proof is about the curve that a program's text executes.
 """
 
 import os
@@ -29,13 +29,13 @@ from yarclang.shapes import Box
 
 COUNT = int(os.environ.get("YARCLANG_RANDOM_CELLS", "2000"))
 PARTS = 8
-"""So many tests they are: tests run side by side."""
+"""Number of tests into which the cases are divided, so that they can run in parallel."""
 SAMPLES, CLOSER = 120, 30
-"""Instants of a motion that are looked at, and more of them around the one that is worst."""
+"""Number of instants of a motion that are sampled, and number of further ones around the nearest of them."""
 
 
 def a_motion(random, size, kind):
-    """Two commands of a program as one course, and where the second begins."""
+    """Return two commands of a program as one course, and the segment at which the second one begins."""
     ends = random.uniform(-2.0, 2.0, (3, size))
     parts = []
     for begin, end in pairwise(ends):
@@ -51,7 +51,7 @@ def a_motion(random, size, kind):
 
 
 def a_cell(random, count, thin):
-    """Obstacles within reach."""
+    """Return a cell with obstacles within the arm's reach."""
     bodies = []
     for at in range(count):
         shape = some_shape(random, 0.3)
@@ -63,8 +63,8 @@ def a_cell(random, count, thin):
 
 
 def hunted(tally, which, seed, kind, count, thin, tooled):
-    """Hold the proof of one random case against samples; count pairs of bodies that meet, and those that
-    keep apart.
+    """Compare the proof of one random case with samples. Count pairs of bodies that meet, and pairs that stay
+    apart.
     """
     random = np.random.default_rng(seed)
     one = arm(which)
@@ -124,8 +124,8 @@ def test_no_collision_is_missed(tally, part, which, seed, kind, count, thin, too
 @settings(max_examples=max(30, COUNT // 50), deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), home=st.booleans())
 def test_no_program_is_let_through(tally, seed, home):
-    """Real programs: what compiles in a cell stays free of it, as sampled on the planned curve, by at
-    least what the certificate says.
+    """A real program that compiles in a cell stays free of it, and at least as far away as the certificate
+    says. The planned curve is sampled.
     """
     random = np.random.default_rng(seed)
     robot = load_robot("INDUSTRIAL6").value

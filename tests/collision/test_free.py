@@ -1,4 +1,4 @@
-"""Single joint positions are free just where the distances of all pairs say so."""
+"""Tests of single joint positions: they are free exactly if the distances of all pairs are large enough."""
 
 import numpy as np
 import pytest
@@ -24,7 +24,7 @@ def test_positions_are_free_where_no_distance_is_too_small(seed):
     space = plain_free_space(scene)
     for one in q:
         left = gaps(scene, one)
-        # between a touch and what is told from one lies a hair
+        # Distances that are too near to zero can't be told from a touch.
         if abs(left.min()) > 3e-5:
             assert space.has(one) is bool(left.min() > 0.0)
 
@@ -46,7 +46,7 @@ def test_pairs_can_be_asked_to_stay_farther_apart():
 
 
 def test_pairs_left_out_by_their_boxes_change_no_answer():
-    """All pairs one by one say the same as those whose boxes overlap."""
+    """All pairs checked one by one give the same result as only those whose boxes overlap."""
     import pinocchio
 
     seen = set()
@@ -67,8 +67,8 @@ def test_pairs_left_out_by_their_boxes_change_no_answer():
 
 @pytest.mark.parametrize("name", [*ROBOTS, "ur5", "panda"])
 def test_what_no_joint_position_reaches_is_left_out(name, tmp_path):
-    """Balls around the arm: those that are left out are far away everywhere, those beyond all reach are
-    left out.
+    """Balls around the arm: each one that is left out is far away in all joint positions, and those out of
+    reach are left out.
     """
     if name in ROBOTS:
         robot = load_robot(name).value

@@ -1,4 +1,6 @@
-"""A large STL and its hull: the same body as by coal's reader, in much less time."""
+"""Tests of large STL files and their hulls: the body is the same as with coal's reader, and reading is much
+faster.
+"""
 
 import time
 from collections import Counter
@@ -17,7 +19,7 @@ TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", 9), ("more", "<u2"
 
 
 def scan(triangles, seed=0):
-    """A bumpy, bent body of many triangles [mm], as a binary STL."""
+    """Return an uneven, bent body of many triangles [mm], as a binary STL."""
     rng = np.random.default_rng(seed)
     side = int((triangles / 2) ** 0.5)
     up, around = np.meshgrid(
@@ -68,13 +70,17 @@ def test_all_corners_of_the_file_are_within_the_hull(tmp_path):
 
 
 def closed_scan(triangles, seed=0):
-    """The same without a seam: what is nearly one corner at poles and seam is one."""
+    """Return the body of `scan` without a seam: corners that nearly coincide at poles and seam are made
+    equal.
+    """
     content = scan(triangles, seed)
     records = np.frombuffer(content, TRIANGLE, offset=84).copy()
     side = int((triangles / 2) ** 0.5)
     at = records["corners"].reshape(2, side, side, 3, 3)
     ring, pole = at[0, :, 0, 0].copy(), at[0, 0, 0, 0].copy()
-    # the four corners of a cell: at its place, one up, one up and around, one around
+    # The corners of a grid cell are a, b (next in `up`), c (next in both directions) and d (next in
+    # `around`); its triangles are a b c and a c d. At the seam, c and d of the last cells become b and a of
+    # the first ones.
     at[0, :, -1, 2], at[1, :, -1, 1] = at[0, :, 0, 1], at[0, :, 0, 1]
     at[1, :, -1, 2] = ring
     for half, corner in ((0, 0), (1, 0), (1, 2)):
@@ -122,7 +128,7 @@ def test_the_triangles_are_those_of_coals_reader(made, tmp_path, monkeypatch):
 def test_a_mesh_is_closed_where_every_edge_has_an_even_number_of_triangles(tally, seed):
     rng = np.random.default_rng(seed)
     bodies = []
-    for _ in range(int(rng.integers(1, 4))):  # tetrahedra, of corners that may be the same
+    for _ in range(int(rng.integers(1, 4))):  # tetrahedra, some of whose corners may coincide
         corners = rng.integers(0, 3, (4, 3)).astype(float) * rng.choice([1.0, -1.0, 0.0], 3)
         bodies.append(corners[[[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]]])
     triangles = np.concatenate(bodies)
@@ -130,7 +136,7 @@ def test_a_mesh_is_closed_where_every_edge_has_an_even_number_of_triangles(tally
         triangles = triangles[rng.random(len(triangles)) < 0.9]
     if not len(triangles):
         return
-    # each triangle may have its own corners, or share them
+    # Triangles may have their own corners, or share them.
     corners, faces = triangles.reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3)
     if rng.random() < 0.5:
         corners, of = np.unique(corners, axis=0, return_inverse=True)
@@ -168,7 +174,7 @@ def damaged(content, row, value):
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        (lambda content: damaged(content, 500, np.nan), "no finite number"),
+        (lambda content: damaged(content, 500, np.nan), "isn't a finite number"),
         (lambda content: damaged(content, 500, 3e9), "from its origin"),
         (lambda content: content[:-1000], "bytes"),
     ],
@@ -187,8 +193,8 @@ def test_a_large_plate_without_thickness_stays_flat(tmp_path):
 
 @pytest.mark.parametrize("around", [300, 1000])
 def test_the_tip_of_a_fine_cone_is_covered(tmp_path, around):
-    """A corner with hundreds of neighbours, as lathes make it: coal makes no hull of it; the body around
-    it has all corners, and is hardly larger.
+    """A corner with hundreds of neighbours, as on turned parts, for which coal makes no hull. The body that
+    is used instead contains all corners, and is hardly larger.
     """
     turn = np.linspace(0.0, 2.0 * np.pi, around, endpoint=False)
     rim = np.stack((30.0 * np.cos(turn), 30.0 * np.sin(turn), np.zeros(around)), axis=1)

@@ -1,4 +1,6 @@
-"""Meshes that robot.toml, cell.toml and URDFs name: each fault is named, and no file ends the process."""
+"""Tests of faulty meshes in robot.toml, cell.toml and URDFs: each fault is named, and no file crashes the
+process.
+"""
 
 from __future__ import annotations
 
@@ -114,7 +116,7 @@ NAN = ((0.0, 0.0, 0.0), (float("nan"), 0.0, 0.0), (0.0, 0.1, 0.0), (0.0, 0.0, 0.
 
 
 def unreadable(folder: Path, name: str, content: bytes, scale: float = 1.0) -> str:
-    """Return what is wrong with a mesh; nothing if it is read."""
+    """Return the fault of a mesh; empty if it can be read."""
     (folder / name).write_bytes(content)
     shape = Mesh(folder / name, 1.0, "", (scale, scale, scale))
     for hull in (False, True):
@@ -138,7 +140,7 @@ def test_a_sound_mesh_keeps_all_its_faces(name, tmp_path):
 @pytest.mark.parametrize("corner", [4, 9, 900, 2**31 - 1, -1])
 def test_a_face_of_a_corner_that_is_not_there(name, corner, tmp_path):
     fault = unreadable(tmp_path, name, WRITERS[name](faces=((0, 1, 2), (0, 1, corner))))
-    if name == "a.obj":  # counted from 1 there; 0 is no corner
+    if name == "a.obj":  # this format counts corners from 1, and 0 is no corner
         corner += 1
     assert fault == f"has a face with the corner {corner}, but 4 corners"
     assert solid_of(Mesh(tmp_path / name, 1.0, "")) is None
@@ -154,8 +156,8 @@ def test_faces_of_several_lengths_are_looked_at(name, tmp_path):
 
 @pytest.mark.parametrize("name", WRITERS)
 def test_a_corner_that_is_no_number(name, tmp_path, capfd):
-    assert unreadable(tmp_path, name, WRITERS[name](corners=NAN)) == "has a corner that is no finite number"
-    assert capfd.readouterr() == ("", "")  # coal would print of its eigenvalues
+    assert unreadable(tmp_path, name, WRITERS[name](corners=NAN)) == "has a corner that isn't a finite number"
+    assert capfd.readouterr() == ("", "")  # coal would print a message about eigenvalues
 
 
 @pytest.mark.parametrize("name", WRITERS)
@@ -185,9 +187,11 @@ def test_a_mesh_without_an_area(name, corners, tmp_path):
 @pytest.mark.parametrize("name", WRITERS)
 @pytest.mark.parametrize("far", [2e5, 1e12, 1e15, 1e30])
 def test_a_corner_that_is_far_away(name, far, tmp_path):
-    """A hull of corners 1e15 m apart ended the process."""
+    """A corner that is too far away is refused. (A hull of corners that are 1e15 m apart crashed the
+    process.)
+    """
     corners = (*CORNERS[:3], (0.0, 0.0, far))
-    assert re.search(r"has a corner \S+ m from its origin, and at most 100,000 m are allowed",
+    assert re.search(r"has a corner \S+ m from its origin, but at most 100,000 m are allowed",
         unreadable(tmp_path, name, WRITERS[name](corners=corners)))  # fmt: skip
     assert unreadable(tmp_path, name, WRITERS[name](), scale=1e15).startswith("has a corner")
 
@@ -203,7 +207,7 @@ def test_a_text_stl_may_have_any_lines_and_names(tmp_path):
 
 
 def test_faces_of_corners_by_another_name_are_left_to_the_reader_of_meshes():
-    """What isn't understood here is no fault."""
+    """Faces in a form that this check doesn't know aren't faults. The reader of meshes decides."""
     content = dae().replace(b'semantic="VERTEX" source="#v"', b'semantic="VERTEX" source="#w"')
     assert mesh_fault(".dae", content) == ""
 
@@ -228,7 +232,7 @@ def test_a_changed_file_is_read_or_refused(tmp_path, name, data):
 
 
 def arm(tmp_path: Path, name: str, content: bytes) -> Path:
-    """INDUSTRIAL6 with a mesh as the shape of its first link."""
+    """Return the folder of INDUSTRIAL6 with a mesh as the shape of its first link."""
     folder = tmp_path / "arm"
     shutil.copytree(stdlib_folder() / "robots" / "industrial6", folder)
     urdf = folder / "industrial6.urdf"
@@ -263,12 +267,13 @@ def test_a_flat_mesh_is_named_and_still_collides(tmp_path):
     assert "link_1" in [body.name for body in scene_of(robot, None).value.bodies]
     checked = CliRunner().invoke(main, ["robot", "check", str(folder)]).output
     assert (
-        "flat meshes: the mesh flat.stl of link_1 is flat: the collision check sees no thickness" in checked
+        "flat meshes: the mesh flat.stl of link_1 is flat, so the collision check ignores its thickness"
+        in checked
     )
 
 
 def new(tmp_path: Path, name: str, content: bytes):
-    """`yarc robot new` of an arm with a mesh."""
+    """Run `yarc robot new` with an arm that has a mesh."""
     (tmp_path / name).write_bytes(content)
     (tmp_path / "a.urdf").write_text(
         '<robot name="a"><link name="base"/><link name="l"><collision><geometry><mesh '
@@ -283,7 +288,10 @@ def new(tmp_path: Path, name: str, content: bytes):
 def test_a_new_robot_names_a_flat_mesh(tmp_path):
     made = new(tmp_path, "flat.stl", stl(faces=((0, 1, 2),)))
     assert made.exit_code == 0, made.output
-    assert "note: the mesh flat.stl of l is flat: the collision check sees no thickness" in made.output
+    assert (
+        "note: the mesh flat.stl of l is flat: the collision check treats it as having no thickness"
+        in made.output
+    )
 
 
 def test_a_new_robot_with_a_mesh_that_can_not_be_read_is_not_written(tmp_path):
@@ -300,7 +308,7 @@ def test_a_new_robot_with_a_mesh_that_can_not_be_read_is_not_written(tmp_path):
         ".5")]
 )  # fmt: skip
 def test_a_corner_that_coals_reader_loses_is_refused(corner, tmp_path):
-    """It doesn't count such a corner, so that the faces take the corners after it."""
+    """Coal's reader skips such a corner without counting it, so faces would use the wrong corners."""
     text = f"{corner}\nv 0 1 0\nv 0 0 1\nv 9 9 9\nf 1 2 3\nf 2 3 1\n"
     assert "which readers skip" in mesh_fault(".obj", text.encode())
     path = tmp_path / "a.obj"

@@ -1,4 +1,4 @@
-"""Meshes in convex pieces: they contain the mesh, whatever it is, and the judge sees it if they don't."""
+"""Tests of meshes in convex pieces: the pieces contain each mesh, and the judge notices if they don't."""
 
 import hashlib
 from dataclasses import replace
@@ -31,7 +31,7 @@ def cubes(places):
 
 
 def clamp():
-    """Return a C: a back of five cubes with two arms of four."""
+    """Return a body in the shape of a C: a back of five cubes with two arms of four."""
     back = [(0, y, z) for y in range(2) for z in range(5)]
     return cubes(back + [(x, y, z) for x in range(1, 4) for y in range(2) for z in (0, 4)])
 
@@ -47,12 +47,12 @@ def volume(corners):
 
 
 def shown(pieces):
-    """Return pieces as the proof of clearances has them."""
+    """Return pieces in the form in which the proof of clearances uses them."""
     return tuple(map(of_meshes._piece, pieces))
 
 
 def random_body(rng):
-    """Return the triangles of a body that grew cube by cube, stretched and turned."""
+    """Return the triangles of a random body: it consists of cubes, and is stretched and rotated."""
     places = {(0, 0, 0)}
     for _ in range(int(rng.integers(1, 25))):
         grown = np.array(sorted(places)[rng.integers(len(places))])
@@ -60,7 +60,7 @@ def random_body(rng):
         places.add(tuple(int(one) for one in grown))
     triangles = cubes(sorted(places))
     if rng.random() < 0.3:
-        return triangles  # all faces along the axes
+        return triangles  # all faces are parallel to the axes
     if rng.random() < 0.3:
         triangles = triangles[:, ::-1]  # inside out
     turn = Rotation.random(random_state=rng).as_matrix()
@@ -76,7 +76,7 @@ def holds(piece, points, slack=1e-7):
 @settings(max_examples=30, deadline=None)
 @given(st.integers(0, 2**32 - 1))
 def test_the_pieces_contain_the_mesh(tally, seed):
-    """Law: points on the surface and inside are in a piece, and the judge finds nothing that is lacking."""
+    """Property: points on the surface and inside are in a piece, and the judge finds no missing part."""
     rng = np.random.default_rng(seed)
     triangles = random_body(rng)
     pieces = pieces_of(triangles, int(rng.integers(2, 12)))
@@ -96,7 +96,9 @@ def test_the_pieces_contain_the_mesh(tally, seed):
 @settings(max_examples=30, deadline=None)
 @given(st.integers(0, 2**32 - 1))
 def test_pieces_that_lack_something_are_refused(tally, seed):
-    """Law: a piece with a corner moved inwards doesn't contain what it has to."""
+    """Property: if a corner of a piece is moved inwards, the judge notices that the piece doesn't contain its
+    part of the mesh.
+    """
     rng = np.random.default_rng(seed)
     triangles = random_body(rng)
     pieces = list(pieces_of(triangles, 6))
@@ -107,7 +109,7 @@ def test_pieces_that_lack_something_are_refused(tally, seed):
     corners[number] += 1e-3 * (corners.mean(axis=0) - corners[number])
     moved = np.linalg.norm(corners[number] - one.corners[number])
     pieces[which] = replace(one, corners=corners)
-    if moved < 1e-5:  # less than the thickness that flat pieces get
+    if moved < 1e-5:  # less than the thickness that is added to flat pieces
         return
     tally.count("refused", lacking(triangles, shown(pieces)) > ALLOWED)
 
@@ -140,7 +142,7 @@ def test_cells_that_overlap_or_leave_a_gap_are_refused():
 
 
 def test_a_cell_within_the_solid_needs_its_corners():
-    """The cell in the middle of a solid has no triangles, but must be full."""
+    """The cell in the middle of a solid contains no triangles, but must be full."""
     triangles = cubes([(x, y, z) for x in range(3) for y in range(3) for z in range(3)])
     unit = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
     places = [(x, y, z) for x in range(3) for y in range(3) for z in range(3)]
@@ -155,13 +157,13 @@ def test_a_cell_within_the_solid_needs_its_corners():
 def test_an_open_mesh_has_no_pieces(tmp_path):
     with pytest.raises(OpenMeshError):
         pieces_of_mesh(as_mesh(tmp_path, clamp()[1:], 4))
-    (one,) = pieces_of_mesh(as_mesh(tmp_path, clamp()[1:], 1))  # the hull needs no inside
+    (one,) = pieces_of_mesh(as_mesh(tmp_path, clamp()[1:], 1))  # a single hull needs no closed mesh
     assert not one.is_hollow
 
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    """Where entries are kept in a test."""
+    """Fixture: the folder in which cache entries are stored."""
     monkeypatch.setenv(files.CACHE, str(tmp_path / "cache"))
     return tmp_path / "cache" / "meshes"
 
@@ -185,7 +187,7 @@ def test_pieces_are_kept_and_a_damaged_entry_is_made_again(tmp_path, folder, mon
     pieces_of_mesh(mesh)
     assert made == [8]
     pieces_of_mesh(replace(mesh, pieces=3))
-    assert made == [8, 3]  # another number is another entry
+    assert made == [8, 3]  # another number of pieces is another entry
     assert geometry_of(replace(mesh, pieces=0)).is_hollow
 
 

@@ -1,4 +1,6 @@
-"""Planes between bodies: their bounds hold for all motions, and bodies that graze need few pieces."""
+"""Tests of separating planes between bodies: their bounds hold for all motions, and bodies that pass each
+other closely need few pieces of time.
+"""
 
 import struct
 
@@ -36,7 +38,7 @@ def test_a_plane_never_says_more_than_the_distance(seed):
     free = apart > 1e-6
     gap = plane_gap(scene, pairs, seen, normal)[free]
     assert (gap <= apart[free] + 2e-6).all()
-    # all bodies here are convex, and coal's direction is but rarely not the best one
+    # All bodies here are convex, and coal's direction is almost always the best one.
     assert (gap >= apart[free] - 2e-5).mean() > 0.95
     assert (gap >= apart[free] * 0.99).all()
     other = random.normal(size=(len(pairs), 3))
@@ -47,8 +49,8 @@ def test_a_plane_never_says_more_than_the_distance(seed):
 @settings(max_examples=40, deadline=None)
 @given(SEEDS, st.sampled_from(["right", "too far", "any direction", "none"]))
 def test_whoever_proposes_a_distance_makes_none_too_large(seed, proposal):
-    """Planes tell it by the bodies' supports alone; what is proposed wrongly is turned until it is nearly
-    the distance.
+    """A plane's distance depends only on the extents of the bodies, so a wrong proposal can't make it too
+    large. Wrong planes are turned until their distance is nearly the true one.
     """
     random = np.random.default_rng(seed)
     robot = load_robot(ROBOTS[seed % 2]).value
@@ -76,7 +78,9 @@ def test_whoever_proposes_a_distance_makes_none_too_large(seed, proposal):
 
 
 def test_a_lying_coal_hides_no_collision(industrial6, monkeypatch):
-    """A wall near which the arm passes: coal says that all is half a metre farther away."""
+    """Coal reports half a metre too much for all distances. The collision of the arm with a wall is still
+    found.
+    """
     wall = Obstacle("WALL", Box(np.array([0.2, 0.2, 0.2])), mount([-0.8, 0.68, 1.764]), 0.3)
     scene = scene_of(industrial6, cell_of(wall)).value
     points = np.zeros((8, 6))
@@ -121,7 +125,7 @@ def test_a_slanting_flat_mesh_of_a_link_has_no_hull(tmp_path):
 @settings(max_examples=40, deadline=None)
 @given(SEEDS)
 def test_no_point_accelerates_more(seed):
-    """Second differences of points of all bodies, seen from what the first joints move."""
+    """Second differences of points of all bodies, relative to the first joints, don't exceed the bounds."""
     random = np.random.default_rng(seed)
     robot = load_robot(ROBOTS[seed % 2]).value
     scene = scene_of(robot, drawn(random, count=2)).value
@@ -167,7 +171,7 @@ def turning(span=1.0, count=80, duration=2.0):
 
 
 def placed_at(robot, shape, gap, margin=0.01):
-    """A scene with a body above the turning arm: it comes as near as its margin and `gap`."""
+    """Return a scene with a body above the turning arm. Its smallest distance is its margin plus `gap`."""
     course = turning()
     far = cell_of(Obstacle("PLATE", shape, mount([0, 1.06, 5.0]), margin))
     scene = scene_of(robot, far).value
@@ -179,7 +183,7 @@ def placed_at(robot, shape, gap, margin=0.01):
 
 
 def asked(monkeypatch, scene, course):
-    """What is proved of a motion, and how often coal was asked."""
+    """Return the proof of a motion, and the number of distances that coal computed for it."""
     calls = []
 
     def counted(scene, pair, seen, **options):
@@ -192,7 +196,7 @@ def asked(monkeypatch, scene, course):
 
 @pytest.mark.parametrize("gap", [1.2e-5, 3e-5, 1e-4, 1e-3])
 def test_bodies_that_graze_need_few_pieces(monkeypatch, industrial6, gap):
-    """2 m of way beside a plate, a hundredth of a millimetre outside of its margin."""
+    """A path of 2 m beside a plate, a hundredth of a millimetre outside of its margin."""
     scene, course = placed_at(industrial6, Box(np.array([4.0, 4.0, 0.02])), gap)
     found, calls = asked(monkeypatch, scene, course)
     assert not found.meetings
@@ -201,8 +205,8 @@ def test_bodies_that_graze_need_few_pieces(monkeypatch, industrial6, gap):
 
 
 def test_beside_a_hollow_mesh_the_proof_ends(monkeypatch, industrial6, tmp_path):
-    """No plane is between the arm and a room without a lid: near enough to the margin it counts as too
-    near.
+    """No plane separates the arm from a room without a lid. A distance that is hardly above the margin counts
+    as too small.
     """
     whole = cube(1500.0)
     (tmp_path / "room.stl").write_bytes(whole[:80] + struct.pack("<I", 10) + whole[84 : 84 + 500])
@@ -217,7 +221,9 @@ def test_beside_a_hollow_mesh_the_proof_ends(monkeypatch, industrial6, tmp_path)
 
 
 def in_a_room(robot, shape, gap):
-    """A scene whose link_2 goes over the floor of a room, as near as the margin and `gap`."""
+    """Return a scene in which link_2 moves over the floor of a room, at a distance of the margin
+    plus `gap`.
+    """
     course = turning()
     low, high = 1.5, 2.5
     for _ in range(60):

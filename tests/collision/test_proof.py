@@ -1,5 +1,5 @@
-"""No collision is missed: random motions in random cells, and bodies thinner than any step, against fine
-samples of Pinocchio and coal.
+"""Tests that no collision is missed: random motions in random cells, and bodies that are thinner than any
+step, are compared with fine samples of Pinocchio and coal.
 """
 
 import numpy as np
@@ -21,7 +21,7 @@ from yarclang.source import SourceFile
 from yarclang.transforms import rpy_rotation
 
 COUNT = 24
-"""How many cells are drawn; test_dense.py draws many more."""
+"""Number of cells that are drawn. test_dense.py draws many more."""
 ROBOTS = ("INDUSTRIAL6", "TRACKED_MANIPULATOR")
 
 
@@ -36,7 +36,7 @@ def cell_of(*obstacles):
 
 
 def some_shape(random, largest):
-    """Any of the shapes without a file, up to a size."""
+    """Return a random shape, except meshes, up to a size."""
     a, b, c = random.uniform(0.002, largest, 3)
     return [Box(np.array([a, b, c])), Sphere(a / 2), Cylinder(a / 2, b), Capsule(a / 2, b)][
         random.integers(4)
@@ -44,7 +44,7 @@ def some_shape(random, largest):
 
 
 def drawn(random, count=6):
-    """A cell of obstacles of all shapes around the robot, and a tool."""
+    """Return a cell of obstacles of all shapes around the robot, and a tool."""
     standing = [
         Obstacle(
             f"O{at}",
@@ -59,12 +59,14 @@ def drawn(random, count=6):
 
 
 def motion(points, duration):
-    """The uniform cubic B-spline through control points (G, n) that stand three times at both ends."""
+    """Return the uniform cubic B-spline through control points (G, n), the first and last of which are
+    repeated three times.
+    """
     points = np.concatenate([points[:1], points[:1], points, points[-1:], points[-1:]])
     f0, f1, f2, f3 = (points[at : len(points) - 3 + at] for at in range(4))
     h = duration / len(f0)
     v, a, j = (f2 - f0) / (2 * h), (f2 - 2 * f1 + f0) / h**2, (f3 - 3 * f2 + 3 * f1 - f0) / h**3
-    # the speed's Bezier points bound it
+    # The Bezier points of the velocity bound it.
     peaks = np.abs(np.stack([(f1 - f0) / h, (f2 - f1) / h, (f3 - f2) / h])).max(axis=0)
     return Course.of((f0 + 4 * f1 + f2) / 6, v, a, j, np.full(len(f0), h), peaks)
 
@@ -106,7 +108,7 @@ def test_nothing_is_missed(seed):
 
 
 def test_what_is_told_is_sharp():
-    """The smallest distance is told to within a share of it."""
+    """The reported smallest distance differs from the true one by at most a small share."""
     tally = Tally()
     robot = load_robot("INDUSTRIAL6").value
     for seed in range(500, 530):
@@ -135,7 +137,7 @@ def test_what_is_told_is_sharp():
 
 @pytest.mark.parametrize("thickness", [1e-3, 1e-5])
 def test_a_sheet_thinner_than_any_step(industrial6, thickness):
-    """A quick turn goes through a sheet in much less than a sample."""
+    """A fast motion passes a sheet in much less than the time between samples."""
     sheet = Obstacle("SHEET", Box(np.array([thickness, 0.5, 0.5])), mount([0, 1.0, 1.7]), 0.0)
     scene = scene_of(industrial6, cell_of(sheet)).value
     ends = np.zeros((2, 6))
@@ -146,8 +148,8 @@ def test_a_sheet_thinner_than_any_step(industrial6, thickness):
 
 
 def test_a_hair_beside_the_way_is_free(industrial6):
-    """Just outside of the margin is free, just inside isn't: a sphere over the flange's circle."""
-    top = 1.764 + 0.04  # link_6 is a cylinder of 40 mm around the arm's axis
+    """A sphere over the flange's circle is free just outside of the margin, and isn't just inside."""
+    top = 1.764 + 0.04  # link_6 is a cylinder with a radius of 40 mm around the arm's axis
     for gap, meets in ((0.0101, False), (0.0099, True)):
         bead = Obstacle("BEAD", Sphere(0.001), mount([0, 1.06, top + gap + 0.001]), 0.01)
         scene = scene_of(industrial6, cell_of(bead)).value
@@ -160,7 +162,7 @@ def test_a_hair_beside_the_way_is_free(industrial6):
 
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_shapes_are_pinocchios(robot):
-    """As many shapes as Pinocchio loads, and the same distances."""
+    """There are as many shapes as Pinocchio loads, with the same distances."""
     robot = load_robot(robot).value
     scene, dense = scene_of(robot, None).value, Dense(robot)
     assert len(scene.bodies) == dense.links

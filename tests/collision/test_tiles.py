@@ -1,4 +1,6 @@
-"""Large meshes as obstacles: tiles that are examined only where they matter, and what is kept of them."""
+"""Tests of large meshes as obstacles: they are divided into tiles, which are examined only where necessary,
+and cached.
+"""
 
 import hashlib
 import multiprocessing
@@ -54,7 +56,7 @@ def as_ply(content):
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    """Where entries are kept in a test."""
+    """Fixture: the folder in which cache entries are stored."""
     monkeypatch.setenv(files.CACHE, str(tmp_path / "cache"))
     return tmp_path / "cache" / "meshes"
 
@@ -63,7 +65,9 @@ def folder(tmp_path, monkeypatch):
 @settings(max_examples=100, deadline=None)
 @given(st.integers(0, 2**32 - 1))
 def test_the_distance_is_that_of_all_triangles(tally, seed):
-    """Law: whatever is examined, the result is that of coal's one tree, and its normal."""
+    """Property: whatever tiles are examined, distance and normal equal those of a single tree of all
+    triangles in coal.
+    """
     rng = np.random.default_rng(seed)
     count = int(rng.integers(1, 4 * TILE))
     middles = rng.normal(size=(count, 1, 3)) * rng.choice([0.05, 0.3], 3)
@@ -190,7 +194,7 @@ def test_a_damaged_entry_is_prepared_anew(how, tmp_path, folder):
 
 
 def test_an_entry_of_another_mesh_is_not_taken(tmp_path, folder):
-    """Somebody has renamed entries: each knows of which mesh it is."""
+    """Renamed entries aren't used: each entry contains the identity of its mesh."""
     one = mesh(tmp_path, closed_scan(30_000), "one.stl")
     other = mesh(tmp_path, closed_scan(30_000, seed=5), "other.stl")
     geometry_of(one)
@@ -218,7 +222,7 @@ def test_the_folder_stays_bounded(tmp_path, folder, monkeypatch):
     (entry,) = folder.iterdir()
     monkeypatch.setattr(keeping, "MOST_BYTES", 2 * entry.stat().st_size + 100)
     geometry_of(shapes[1])
-    os.utime(entry, (1, 1))  # used least lately
+    os.utime(entry, (1, 1))  # the least recently used entry
     geometry_of(shapes[2])
     assert not entry.exists()
     assert len([*folder.iterdir()]) == 2
@@ -244,7 +248,7 @@ def test_a_damaged_file_is_told_as_before(tmp_path, folder):
 
 
 def test_single_positions_are_free_as_with_one_tree(tmp_path, folder, monkeypatch):
-    """A search asks thousands of positions: those that are free are free of all triangles."""
+    """Joint positions that a search finds free are free of all triangles."""
     shape = mesh(tmp_path, scan(30_000))
     robot = load_robot("INDUSTRIAL6").value
     body = Obstacle("PART", shape, Mount(_at(0.0, 0.9, 1.1), False), 0.02)
@@ -283,7 +287,7 @@ def read_entry(entry, key, secret):
     ],
 )
 def test_a_forged_entry_ends_nothing(payload, tmp_path, folder):
-    """Its seal fits, and what it says of itself doesn't: it is prepared anew."""
+    """An entry with a valid seal but wrong content is made again."""
     shape = mesh(tmp_path, scan(30_000))
     first = geometry_of(shape)
     (entry,) = folder.iterdir()
@@ -295,7 +299,9 @@ def test_a_forged_entry_ends_nothing(payload, tmp_path, folder):
 
 
 def test_an_entry_of_somebody_else_is_prepared_anew(tmp_path, folder):
-    """With one triangle less it would hide a part of an obstacle."""
+    """An entry that another user has written is made again: with a triangle missing, it would hide a part of
+    an obstacle.
+    """
     shape = mesh(tmp_path, scan(30_000))
     first = geometry_of(shape)
     (entry,) = folder.iterdir()

@@ -1,6 +1,4 @@
-"""The examples in each command's description compile as they stand, and so do those of the public
-functions.
-"""
+"""Tests of the examples in the descriptions of commands and public functions: all compile unchanged."""
 
 import doctest
 

@@ -1,5 +1,5 @@
-"""A word whose file is put beside the others is known everywhere: here one that sets an output for 0.1 s,
-of three steps.
+"""Tests of a command whose file is put beside those of the others: all parts of yarclang know it. The command
+of this test sets an output for 0.1 s, in three steps.
 """
 
 import sys
@@ -60,7 +60,7 @@ def test_its_steps_are_carried_out_one_after_the_other():
     lines = made.text.splitlines()
     begin = lines.index("M1=1")
     assert lines[begin : begin + 9] == ["M1=1", "DWELL100", "M1=0"] * 3
-    # each line of the text belongs to one of them
+    # each line of the text is mapped to one of the three steps
     meant = {one.first: (one.command.step, one.what) for one in map_lines(made.text).stretches if one.command}
     assert [meant[begin + number] for number in range(4)] == [
         (1, "the robot comes to rest before it"),
@@ -73,9 +73,9 @@ def test_its_steps_are_carried_out_one_after_the_other():
 @pytest.mark.parametrize(
     ("line", "code", "told"),
     [
-        ("P0010 PING", "Y0401", "PING wants an output"),
+        ("P0010 PING", "Y0401", "PING takes an output"),
         ("P0010 PING DOOR", "Y0209", "DOOR is an input, not an output"),
-        ("P0010 PING GRIP ON", "Y0401", "PING wants an output"),
+        ("P0010 PING GRIP ON", "Y0401", "PING takes an output"),
         ("P0010 PING GRIP [2]", "Y0408", "PING doesn't take a motion time"),
         ("P0010 PINGG GRIP", "Y0202", "PINGG is no command"),
         ("LET PING = 3\nP0010 MOVEJ 10 0 0 0 0 0", "Y0211", "PING is a word of the language"),
@@ -95,7 +95,7 @@ def test_inspect_shows_all_of_its_steps(tmp_path):
     program.write_text(f"{HEAD}P0010 MOVEJ 10 0 0 0 0 0\nP0020 PING GRIP\n")
     done = CliRunner().invoke(main, ["inspect", str(program), "P0020", "--robot", "INDUSTRIAL6"])
     assert done.exit_code == 0, done.output
-    told = [line for line in done.output.splitlines() if "GRIP (M1) becomes" in line or "stands for" in line]
+    told = [line for line in done.output.splitlines() if "GRIP (M1) becomes" in line or "waits for" in line]
     assert [line.split()[-1] for line in told] == ["ON", "s", "OFF"]
     assert "places" not in done.output
 

@@ -1,4 +1,4 @@
-"""Converting texts in tests, and what the program that comes out of it says."""
+"""Conversions of texts in tests, and readers of the resulting programs."""
 
 from pathlib import Path
 
@@ -22,19 +22,19 @@ def units(text):
 
 
 def converted(text, name="points.csv", robot="INDUSTRIAL6", said="", **wishes):
-    """The program's text (None where an error forbids one) and the findings."""
+    """Return the program's text, or None after an error, and the findings."""
     made, found = made_of(text, name, robot, said, **wishes)
     return None if made is None else made.text, found
 
 
 def made_of(text, name="points.csv", robot="INDUSTRIAL6", said="", **wishes):
-    """The program with the files beside it (None where an error forbids one) and the findings."""
+    """Return the program with the files beside it, or None after an error, and the findings."""
     result = convert(SourceFile(name, text), load_robot(robot).value, Wishes(units=units(said), **wishes))
     return result.value, result.diagnostics
 
 
 def program_of(text, name="points.csv", robot="INDUSTRIAL6", said="", **wishes):
-    """The program's text, which has no error."""
+    """Return the text of a program that has no error."""
     program, found = converted(text, name, robot, said, **wishes)
     assert codes(found) == []
     assert [one for one in checked(program, robot=robot)[1] if one.is_error] == []
@@ -42,7 +42,7 @@ def program_of(text, name="points.csv", robot="INDUSTRIAL6", said="", **wishes):
 
 
 def refused(text, name="points.csv", robot="INDUSTRIAL6", said="", **wishes):
-    """The only finding, an error."""
+    """Return the only finding, which must be an error."""
     program, found = converted(text, name, robot, said, **wishes)
     assert program is None
     assert [one.is_error for one in found] == [True]
@@ -50,7 +50,7 @@ def refused(text, name="points.csv", robot="INDUSTRIAL6", said="", **wishes):
 
 
 def numbers(program):
-    """All rows of numbers in a program's START and motions, without comments: (w, n)."""
+    """Return all rows of numbers in a program's START and motions, without comments (w, n)."""
     rows = []
     for line in program.splitlines():
         if '"' in line:
@@ -64,13 +64,14 @@ def numbers(program):
 
 
 def commands(program):
-    """The words of the commands, in their order."""
+    """Return the words of the commands, in order."""
     return [line.split()[1] for line in program.splitlines() if line[:1] == "P"]
 
 
 def timetables(made, robot="INDUSTRIAL6"):
-    """The timed motions of a program with the files beside it: (times, positions [rad], velocities,
-    accelerations) of each.
+    """Return the timed motions of a program, with the files beside it.
+
+    Each is (times, positions [rad], velocities, accelerations).
     """
     found = []
     folder = Path("/nowhere")

@@ -1,4 +1,4 @@
-"""Bags of ROS 1 and ROS 2 to programs, written by rosbags; and what is said where it isn't installed."""
+"""Tests of converting bags of ROS 1 and ROS 2, written by rosbags; without rosbags, there is a finding."""
 
 import sys
 from pathlib import Path
@@ -59,7 +59,7 @@ def state(store, stamp, q, velocity=None):
 
 
 def written(folder, kind, messages):
-    """A bag with (topic, seconds, message) in order, and where it is."""
+    """Write a bag with (topic, seconds, message) in order; return its path."""
     if kind == "bag":
         path, store = folder / "arm.bag", NOETIC
         writer = Writer1(path)
@@ -165,7 +165,7 @@ def test_damaged_bags(tmp_path, kind, share):
     if made is None:
         assert [one.is_error for one in found] == [True]
         assert codes(found) == ["Y1515"]
-    else:  # sqlite reads on where only unused pages are missing
+    else:  # sqlite reads a file in which only unused pages are missing
         assert commands(made.text) == ["MOVEJ", "MOVEJ_TIMED"]
 
 
@@ -191,7 +191,7 @@ def test_the_command_reads_bags(tmp_path, monkeypatch):
     for file in ("arm.bag", "arm", str(inside)):
         assert is_bag(Path(file))
         made = CliRunner().invoke(main, ["import", file, "--robot", "INDUSTRIAL6", "-o", "out.yarc"])
-        assert (made.exit_code, made.stdout) == (0, "written to out.yarc; yarc check plans it\n")
+        assert (made.exit_code, made.stdout) == (0, "written to out.yarc; plan it with yarc check\n")
         assert "MOVEJ_TIMED" in Path("out.yarc").read_text()
     made = CliRunner().invoke(main, ["import", "none.bag", "--robot", "INDUSTRIAL6"])
     assert (made.exit_code, "none.bag can't be read: no such file" in made.stderr) == (1, True)

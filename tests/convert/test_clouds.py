@@ -1,5 +1,6 @@
-"""Point clouds become closed meshes in which every point lies: PCD and PLY files of all forms, and those
-that are damaged.
+"""Tests of point clouds: they become closed meshes that contain every point.
+
+The files are PCD and PLY in all forms, and damaged ones.
 """
 
 import struct
@@ -53,7 +54,7 @@ def rows(points):
 
 
 def packed(plain):
-    """LZF by hand: what stands twice next to each other is taken back, all else is as it is."""
+    """Return bytes in LZF, with back references only for repeated bytes."""
     found, at = bytearray(), 0
     while at < len(plain):
         run = 1
@@ -168,13 +169,13 @@ def test_a_damaged_file_is_read_or_refused_in_words(tally, seed):
     [
         (
             ("FIELDS intensity x y z normal", "FIELDS intensity x y w normal"),
-            "without one x, one y and one z",
+            "without exactly one x, y and z",
         ),
-        (("FIELDS intensity x y z normal", "FIELDS x x y z normal"), "without one x, one y and one z"),
-        (("COUNT 1 1 1 1 3", "COUNT 1 2 1 1 2"), "without one x, one y and one z"),
-        (("SIZE 1 4 4 4 4", "SIZE 1 4 4 4"), "don't belong together"),
-        (("SIZE 1 4 4 4 4", "SIZE 1 4 4 3 4"), "a type that no PCD file has"),
-        (("POINTS 3", "POINTS 4"), "has 21 numbers, and not the 28 of 4 points"),
+        (("FIELDS intensity x y z normal", "FIELDS x x y z normal"), "without exactly one x, y and z"),
+        (("COUNT 1 1 1 1 3", "COUNT 1 2 1 1 2"), "without exactly one x, y and z"),
+        (("SIZE 1 4 4 4 4", "SIZE 1 4 4 4"), "don't match"),
+        (("SIZE 1 4 4 4 4", "SIZE 1 4 4 3 4"), "a type that PCD doesn't have"),
+        (("POINTS 3", "POINTS 4"), "has 21 numbers instead of the 28 of 4 points"),
         (("POINTS 3", "POINTS -3"), "how many POINTS"),
         (("VIEWPOINT 0 0 0 1", "VIEWPOINT 0 0 1 1"), "has a VIEWPOINT other than"),
         (("VIEWPOINT 0 0 0 1", "VIEWPOINT 0 0 x 1"), "has a VIEWPOINT other than"),
@@ -189,7 +190,9 @@ def test_a_wrong_header_is_refused(change, words):
 
 
 def closed(triangles):
-    """Each edge belongs to an even number of triangles."""
+    """Return True if each edge belongs to an even number of triangles. Return None for large meshes, which
+    aren't checked.
+    """
     edges = np.sort(
         np.concatenate([triangles[:, [a, b]] for a, b in ((0, 1), (1, 2), (2, 0))]).round(9), axis=1
     )
@@ -225,7 +228,8 @@ def test_all_points_are_in_a_closed_body_of_the_volume_of_its_cubes(seed):
     cubes = {tuple(np.floor(one / edge).astype(int).tolist()) for one in points}
     assert made.cubes == len(cubes)
     a, b, c = (made.triangles[:, at] - points[0] for at in range(3))
-    volume = np.einsum("ti,ti->", a, np.cross(b, c)) / 6.0  # outwards all around
+    # the volume is positive because all triangles face outwards
+    volume = np.einsum("ti,ti->", a, np.cross(b, c)) / 6.0
     assert volume == pytest.approx(len(cubes) * edge**3, rel=1e-9)
     assert closed(made.triangles) is not False
     low, high = made.triangles.min(axis=(0, 1)), made.triangles.max(axis=(0, 1))
@@ -255,7 +259,7 @@ def test_a_cloud_becomes_an_obstacle_that_is_solid(tmp_path, name, make):
     (tmp_path / name).write_bytes(make(points, "ascii"))
     done = invoked(name, "--units", "m", "--voxel", "20")
     assert done.exit_code == 0, done.stderr
-    assert "399 points (1 left out, which are no numbers) in " in done.stdout
+    assert "399 points (1 left out, which aren't numbers) in " in done.stdout
     made = geometry_of(Mesh(tmp_path / "hall.stl", 1e-3, ""))
     assert made.skin is not None
     import coal
@@ -263,7 +267,7 @@ def test_a_cloud_becomes_an_obstacle_that_is_solid(tmp_path, name, make):
     request, answer, here = coal.CollisionRequest(), coal.CollisionResult(), coal.Transform3s()
     for point in points[np.isfinite(points).all(axis=1)]:
         answer.clear()
-        # a ball that reaches beyond the cube around its point
+        # a sphere that reaches beyond the cube around its point
         coal.collide(
             made.of_coal, here, coal.Sphere(0.0201), coal.Transform3s(np.eye(3), point), request, answer
         )
@@ -291,8 +295,8 @@ def test_a_cloud_becomes_an_obstacle_that_is_solid(tmp_path, name, make):
     ("arguments", "words"),
     [
         (["c.pcd", "--units", "m"], "--voxel MM"),
-        (["c.pcd", "--voxel", "5"], "doesn't say its unit"),
-        (["c.pcd", "--voxel", "5", "--units", "m,deg"], "doesn't say its unit"),
+        (["c.pcd", "--voxel", "5"], "doesn't name its unit"),
+        (["c.pcd", "--voxel", "5", "--units", "m,deg"], "doesn't name its unit"),
         (["c.pcd", "--voxel", "0", "--units", "m"], "positive"),
         (["c.pcd", "--voxel", "5", "--units", "m", "-o", "c.obj"], ".stl"),
         (
@@ -338,7 +342,7 @@ def test_too_many_triangles_are_refused_with_their_number(tmp_path, monkeypatch)
     (tmp_path / "c.pcd").write_bytes(pcd(drawn(1), "ascii"))
     done = invoked("c.pcd", "--units", "m", "--voxel", "20")
     assert done.exit_code == 1
-    assert "triangles, and at most 100 are allowed" in done.stderr
+    assert "triangles, but at most 100 are allowed" in done.stderr
 
 
 def test_nothing_is_overwritten_unasked(tmp_path):

@@ -1,4 +1,4 @@
-"""Height fields become closed meshes that nothing measured is above."""
+"""Tests of height fields: they become closed meshes that contain everything below the measured heights."""
 
 import io
 from pathlib import Path
@@ -46,8 +46,9 @@ def closed(triangles):
 @settings(max_examples=80, deadline=None)
 @given(st.integers(0, 2**32 - 1))
 def test_what_is_below_a_known_height_is_inside(tally, seed):
-    """Law: the mesh is closed and the right way round, and contains all below heights, and below bilinear
-    surfaces.
+    """The mesh is closed, and its triangles face outwards.
+
+    It contains everything below the measured heights and below bilinear surfaces between them.
     """
     rng = np.random.default_rng(seed)
     rows, columns = rng.integers(2, 12, 2)
@@ -130,14 +131,14 @@ def test_tables_of_all_kinds(text):
     [
         (".npy", b"", "isn't a file of numpy's"),
         (".npy", b"\x93NUMPY\x01\x00\x10\x00{'descr': '<f8'", "isn't a file of numpy's"),
-        (".npy", saved(np.zeros((3, 3)))[:-8], "has 64 bytes of values, and its shape needs 72"),
+        (".npy", saved(np.zeros((3, 3)))[:-8], "has 64 bytes of values, but its shape needs 72"),
         (".npy", saved(np.zeros(9)), "has an array of 1 dimensions"),
         (".npy", saved(np.zeros((2, 2), dtype=complex)), "aren't numbers"),
         (".npy", saved(np.zeros((1, 5))), "has 1 x 5 heights"),
         (".npy", saved(np.zeros((2, 2))).replace(b"(2, 2)", b"(2,-2)"), "has an array"),
         (".csv", b"", "no line"),
         (".csv", b"x,y,z\n1,2,3\n", "row 1 that isn't a number"),
-        (".csv", b"1,2,3\n1,2\n", "has 3 values in its first row, and 2 in row 2"),
+        (".csv", b"1,2,3\n1,2\n", "has 3 values in its first row, but 2 in row 2"),
         (".csv", b"1;2\n1,5;2\n", "row 2 that isn't a number"),
         (".csv", b"1,2\n3,4 5\n", "row 2 that isn't a number"),
     ],
@@ -170,7 +171,7 @@ def test_a_field_becomes_an_obstacle(tmp_path):
     np.save("ground.npy", field)
     done = invoked("ground.npy", "--units", "m", "--spacing", "50")
     assert done.exit_code == 0, done.stderr
-    assert "20 x 30 heights (1 left out, which are no numbers) 50 mm apart" in done.stdout
+    assert "20 x 30 heights (1 left out, which aren't numbers) 50 mm apart" in done.stdout
     made = geometry_of(Mesh(tmp_path / "ground.stl", 1e-3, ""))
     assert made.skin is not None
     assert encloses(made.skin, np.array([0.75, 0.5, 0.29]))
@@ -182,15 +183,15 @@ def test_a_table_is_a_field_with_spacing_and_a_program_without():
     assert invoked("ground.csv", "--units", "mm", "--spacing", "10").exit_code == 0
     assert (
         "ground.stl" in invoked("ground.csv", "--units", "mm", "--spacing", "10").stderr
-    )  # it is there already
+    )  # the file exists already, which is reported
 
 
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("g.npy", "--units", "mm"), "--spacing MM says how far"),
-        (("g.npy", "--spacing", "10"), "doesn't say its unit"),
-        (("g.npy", "--units", "mm,deg", "--spacing", "10"), "doesn't say its unit"),
+        (("g.npy", "--units", "mm"), "give it with --spacing MM"),
+        (("g.npy", "--spacing", "10"), "doesn't name its unit"),
+        (("g.npy", "--units", "mm,deg", "--spacing", "10"), "doesn't name its unit"),
         (("g.npy", "--units", "mm", "--spacing", "0"), "spacing"),
         (("g.npy", "--units", "mm", "--spacing", "10", "--voxel", "3"), "--voxel: not for a height field"),
         (("g.npy", "--units", "mm", "--spacing", "10", "--time", "MIN"), "--time: not for a height field"),

@@ -1,4 +1,4 @@
-"""Joints that slide are in mm, from whatever unit of length."""
+"""Tests of positions of sliding joints: they become mm, from any unit of length."""
 
 import json
 import re
@@ -15,7 +15,7 @@ from yarclang.source import SourceFile
 
 @pytest.fixture(scope="module")
 def slider(industrial6):
-    """INDUSTRIAL6 with a first joint that slides upwards."""
+    """Return INDUSTRIAL6 with a first joint that slides upwards."""
     screws = industrial6.chain.screws.copy()
     screws[0] = 0, 0, 1, 0, 0, 0
     return replace(industrial6, chain=replace(industrial6.chain, screws=screws))
@@ -39,7 +39,7 @@ def test_a_table(slider):
 def test_an_angle_for_a_length(slider):
     text = NAMES.replace("j1", "j1 [deg]") + "\n1,2,3,4,5,6\n"
     (found,) = convert(SourceFile("a.csv", text), slider, Wishes(units=units("deg"))).diagnostics
-    assert (found.code, "deg is no unit of length" in found.message) == ("Y1506", True)
+    assert (found.code, "deg isn't a unit of length" in found.message) == ("Y1506", True)
 
 
 def test_a_trajectory(slider):

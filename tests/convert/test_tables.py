@@ -1,4 +1,4 @@
-"""Tables to programs: headers, units, numbers; arbitrary tables keep their values."""
+"""Tests of converting tables: headers, units and numbers. Random tables keep their values."""
 
 import re
 
@@ -65,7 +65,7 @@ def test_times_make_one_motion():
     assert commands(program) == ["MOVEJ_SPLINE"]
     assert program.endswith("20 0 0 0 0 0 [4]\n")
     assert "START  0 0 0 0 0 0".replace("  ", " ") in program
-    # half of the way takes half of the time
+    # half of the distance takes half of the time
     assert "a point is passed at 2.000 s instead of 0.900 s" in program
     assert commands(program_of(text, said="deg", form="moves")) == ["MOVEJ"] * 3
     assert "[MIN]" in program_of(text, said="deg", time="MIN")
@@ -109,7 +109,11 @@ def test_velocities_of_some_joints_are_told():
 
 @pytest.mark.parametrize(
     ("column", "words"),
-    [("[deg]", "deg is no unit of angle /s"), ("[deg/s^2]", "no unit of angle /s"), ("[mm/s]", "no unit")],
+    [
+        ("[deg]", "deg isn't a unit of angle /s"),
+        ("[deg/s^2]", "isn't a unit of angle /s"),
+        ("[mm/s]", "isn't a unit"),
+    ],
 )
 def test_units_of_velocities(column, words):
     text = f"t [s],{NAMES},{RATES.replace('j1_velocity', 'j1_velocity ' + column)}\n" + "0," * 12 + "0\n"
@@ -169,8 +173,8 @@ def test_columns_that_are_not_taken_are_told():
         ("", "Y1504", "empty"),
         ("\n\n", "Y1504", "empty"),
         (f"{NAMES}\n", "Y1504", "no row"),
-        (f"{NAMES}\n1,2,3\n1,2,3,4,5,6\n1\n", "Y1504", "3 cells, the header has 6 (and 1 more line)"),
-        (f'{NAMES}\n1,2,"3,4,5,6\n', "Y1504", "can't be read on"),
+        (f"{NAMES}\n1,2,3\n1,2,3,4,5,6\n1\n", "Y1504", "3 cells, but the header has 6 (and 1 more line)"),
+        (f'{NAMES}\n1,2,"3,4,5,6\n', "Y1504", "can't be read from here on"),
         (f"{NAMES}\n1,2,nan,4,5,6\n", "Y1505", "'nan' in column 'j3'"),
         (f"{NAMES}\n1,2,inf,4,5,6\n1,2,,4,5,6\n", "Y1505", "(and 1 more cell)"),
         (f"{NAMES}\n1,2,1e10,4,5,6\n", "Y1505", "'1e10'"),
@@ -187,13 +191,13 @@ def test_columns_that_are_not_taken_are_told():
         ("x,y,z\n1,2,3\n", "Y1502", "columns roll, pitch, yaw are missing (recognised: x, y, z)"),
         ("x,y,z,roll,pitch,yaw,qw\n1,2,3,4,5,6,7\n", "Y1502", "given twice"),
         (f"{NAMES},x\n1,2,3,4,5,6,7\n", "Y1502", "joint values and poses"),
-        (f"{NAMES},J1\n1,2,3,4,5,6,7\n", "Y1502", "two columns are J1"),
-        (f"{NAMES},t [deg]\n1,2,3,4,5,6,7\n", "Y1506", "deg is no unit of time"),
-        ("j1 [furlong],j2,j3,j4,j5,j6\n1,2,3,4,5,6\n", "Y1506", "furlong is no unit of angle"),
+        (f"{NAMES},J1\n1,2,3,4,5,6,7\n", "Y1502", "two columns give J1"),
+        (f"{NAMES},t [deg]\n1,2,3,4,5,6,7\n", "Y1506", "deg isn't a unit of time"),
+        ("j1 [furlong],j2,j3,j4,j5,j6\n1,2,3,4,5,6\n", "Y1506", "furlong isn't a unit of angle"),
         (f"{NAMES},t [s]\n1,2,3,4,5,6,7\n1,2,3,4,5,6,7\n", "Y1509", "isn't later"),
         (f"{NAMES},name\n1,2,3,4,5,6,STOP\n", "Y1510", "word of the language"),
-        (f"{NAMES},name\n1,2,3,4,5,6,2nd\n", "Y1510", "no digit first"),
-        (f"{NAMES},name\n1,2,3,4,5,6,a\n1,2,3,4,5,0,A\n", "Y1510", "another place in line 2"),
+        (f"{NAMES},name\n1,2,3,4,5,6,2nd\n", "Y1510", "doesn't begin with a digit"),
+        (f"{NAMES},name\n1,2,3,4,5,6,a\n1,2,3,4,5,0,A\n", "Y1510", "another position in line 2"),
         ("x,y,z,qx,qy,qz,qw\n1,2,3,0,0,0,2\n", "Y1505", "norm 2"),
     ],
 )

@@ -1,4 +1,4 @@
-"""Thinning keeps what it promises, measured against a spline of scipy's."""
+"""Tests of thinning: scipy's spline through the kept points is within the tolerance of all points."""
 
 import numpy as np
 import pytest
@@ -19,7 +19,7 @@ def wave(count, seed=1.0):
 
 
 def farthest(points, kept):
-    """Largest distance of `points` from the natural spline through `kept`."""
+    """Return the largest distance of `points` from the natural spline through `kept`."""
     way = np.concatenate(([0], np.cumsum(np.linalg.norm(np.diff(np.radians(kept), axis=0), axis=1))))
     curve = CubicSpline(way, kept, bc_type="natural")(np.linspace(0, way[-1], 100_000))
     return cKDTree(curve).query(points)[0].max()

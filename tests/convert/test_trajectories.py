@@ -1,4 +1,4 @@
-"""ROS trajectories and named states to programs."""
+"""Tests of converting ROS trajectories and named states to programs."""
 
 import json
 
@@ -23,7 +23,7 @@ EXTRA = [*JOINTS, "finger"]
 
 
 def message(points, names=JOINTS, ros=2):
-    """A JointTrajectory as plain data; `points` are (time [s], positions [rad])."""
+    """Return a JointTrajectory as plain data; `points` are (time [s], positions [rad])."""
     whole, part = ("sec", "nanosec") if ros == 2 else ("secs", "nsecs")
     return {
         "header": {"frame_id": ""},
@@ -150,7 +150,7 @@ def with_point(**point):
         (json.dumps(message(turned(0, 1), EXTRA)), "Y1511", "unknown finger"),
         (json.dumps(message(turned(0, 1), JOINTS[1:])), "Y1511", "missing J1"),
         (json.dumps(message(turned(0, 1), [*JOINTS, "J1"])), "Y1511", "twice J1"),
-        (with_point(positions=[1, 2]), "Y1509", "point 2 has 2 positions, there are 6 joints"),
+        (with_point(positions=[1, 2]), "Y1509", "point 2 has 2 positions, but there are 6 joints"),
         (with_point(positions=[0.0, "...", 0]), "Y1509", "cut off"),
         (with_point(positions=[0, 0, float("nan"), 0, 0, 0]), "Y1505", "position of J3 is 'nan'"),
         (with_point(positions=[0, 0, "x", 0, 0, 0]), "Y1505", "'x'"),
@@ -173,7 +173,7 @@ BOMB = "a: &a [x, x]\nb: &b [*a, *a]\nc: [*b, *b]\n"
 @pytest.mark.parametrize(
     ("text", "code", "words"),
     [
-        (BOMB, "Y1508", "repeats another part"),
+        (BOMB, "Y1508", "is an alias of another part"),
         ("a: !!python/object/apply:os.system [ls]\n", "Y1508", "tag"),
         ("[" * 200 + "]" * 200, "Y1508", "nested"),
         ("[" * 100_000, "Y1508", "nested"),
@@ -226,7 +226,7 @@ def test_arbitrary_trajectories_keep_their_rows_and_times(steps, data, order, ra
     made, found = made_of(json.dumps(text), "arm.json", beside="arm")
     assert [one for one in found if one.is_error] == []
     tables = timetables(made)
-    if not tables:  # a motion of one leg, or none
+    if not tables:  # a motion with one segment, or none
         assert begins
         assert commands(made.text)[-1] in {"MOVEJ", "WAIT"}
         assert made.text.endswith(f"[{times[-1]:.6f}".rstrip("0").rstrip(".") + "]\n")
@@ -246,7 +246,7 @@ def test_arbitrary_trajectories_keep_their_rows_and_times(steps, data, order, ra
 
 
 def in_motion(**points):
-    """A trajectory of three points with velocities, some of them others."""
+    """Return a trajectory of three points with velocities, some of which `points` replaces."""
     data = message(turned(0, 10, 20))
     for number, point in enumerate(data["points"]):
         point["velocities"] = [0.1 * (number == 1), 0, 0, 0, 0, 0]
@@ -297,7 +297,7 @@ def test_velocities_of_some_points_are_left_out():
 @pytest.mark.parametrize(
     ("velocities", "code", "words"),
     [
-        ([0.0] * 5, "Y1509", "point 2 has 5 velocities, there are 6 joints"),
+        ([0.0] * 5, "Y1509", "point 2 has 5 velocities, but there are 6 joints"),
         ([0, 0, float("nan"), 0, 0, 0], "Y1505", "point 2: the velocity of J3 is 'nan'"),
     ],
 )
@@ -317,7 +317,7 @@ def test_an_acceleration_at_the_start_needs_a_file():
     assert made.text.endswith('MOVEJ_TIMED "arm_path.csv"\n')
     ((times, _, _, accelerations),) = timetables(made)
     assert (times.tolist(), accelerations[:, 0].tolist()) == ([0, 2, 4], [0.2] * 3)
-    program = program_of(json.dumps(data), "arm.json")  # where no file can be written
+    program = program_of(json.dumps(data), "arm.json")  # as if no file could be written beside the program
     assert "accelerations aren't 0 at the start, and are left out: the path differs by up to" in program
     assert "ACC" not in program
 
@@ -376,7 +376,7 @@ def test_states_of_other_groups_are_told():
         (srdf(state("a", EXTRA)), "Y1511", "unknown finger"),
         (srdf(state("a", value="nan")), "Y1505", "'nan'"),
         (srdf(state("a", value="")), "Y1505", "''"),
-        (srdf(state("2nd")), "Y1510", "no digit first"),
+        (srdf(state("2nd")), "Y1510", "doesn't begin with a digit"),
         (srdf(state("move") + state("MOVEJ")), "Y1510", "word of the language"),
         (srdf(state("a") + state("A")), "Y1510", "in line 4"),
     ],

@@ -1,4 +1,4 @@
-"""What is around a robot: who asks is told of its cell, its inputs and outputs, and what they are."""
+"""Tests of the reply about a robot's surroundings: its cell, its inputs and outputs, and their values."""
 
 import asyncio
 
@@ -39,7 +39,8 @@ def test_signals_of_the_session_and_what_they_are():
             going = asyncio.create_task(client.motion.go(offer))
             await world.until(lambda: coordinator.under_way)
             told = await around(coordinator)
-            assert by_name(told.inputs) == {"DOOR": ("M11", None)}  # its buffer is open
+            # the value isn't known while the robot moves
+            assert by_name(told.inputs) == {"DOOR": ("M11", None)}
             await going
 
     run(asked())
@@ -76,7 +77,7 @@ def test_a_simulated_robot_tells_at_any_time_and_its_inputs_can_be_set():
             assert by_name(told.inputs) == {"DOOR": ("M11", 1.0)}
             assert told.fixed == ""
             client.session.release()
-            watcher.signals.set_input("DOOR", "OFF")  # nobody owns the robot
+            watcher.signals.set_input("DOOR", "OFF")  # allowed, since nobody owns the robot
             with pytest.raises(Trouble, match="No input is named"):
                 watcher.signals.set_input("DOORS", "ON")
             cell.handle()

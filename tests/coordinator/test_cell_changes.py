@@ -1,5 +1,5 @@
-"""A cell whose file changes while its robot is served: what is planned from then on keeps to it, and what
-was proved before isn't carried out.
+"""Tests of a cell whose file changes while its robot is served. Later plans respect the change, and earlier
+proofs aren't carried out any more.
 """
 
 import numpy as np

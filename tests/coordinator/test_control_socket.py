@@ -1,4 +1,6 @@
-"""Runs on this computer: the socket by which other terminals reach one, and its folder."""
+"""Tests of the coordinator's socket, by which other terminals on this computer reach a run, and of its
+folder.
+"""
 
 import asyncio
 import contextlib
@@ -30,12 +32,12 @@ from yarclang.runtime.transports.runs import find_runs, run_on, the_run
 
 STATUS = write_order(orders.AskStatus())
 DEAD = 2**22 + 1
-"""Beyond the kernel's largest process number."""
+"""A process number above the kernel's largest one."""
 
 
 @pytest.fixture(autouse=True)
 def home(monkeypatch):
-    """A runtime folder with a short path: that of a socket has 107 characters at most."""
+    """Use a runtime folder with a short path, because a socket's path has at most 107 characters."""
     path = Path(tempfile.mkdtemp(prefix="yarc-test-"))
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(path))
     yield path
@@ -43,7 +45,7 @@ def home(monkeypatch):
 
 
 class Ran:
-    """A coordinator that seems to move its robot, with its socket, in a thread of its own."""
+    """A coordinator that pretends to move its robot, with its socket, in a thread of its own."""
 
     def __init__(self, robot):
         self.coordinator = None
@@ -62,7 +64,7 @@ class Ran:
         self.end()
 
     def end(self):
-        with contextlib.suppress(RuntimeError):  # it has ended
+        with contextlib.suppress(RuntimeError):  # the event loop has ended
             self._loop.call_soon_threadsafe(self._end.set)
         self._thread.join(10)
         assert not self._thread.is_alive()
@@ -89,7 +91,7 @@ class Ran:
             ticking.cancel()
 
     async def _tick(self):
-        """How long the event loop keeps a session waiting."""
+        """Measure the longest time for which the event loop is blocked."""
         while True:
             begun = time.monotonic()
             await asyncio.sleep(0.001)
@@ -97,7 +99,7 @@ class Ran:
 
 
 def coordinator_of(robot):
-    """A coordinator that isn't at work."""
+    """Return a coordinator that isn't started."""
     return Coordinator(robot, OrderedSession("127.0.0.1", 1025), folder=Path(), log=NO_LOG)
 
 
@@ -108,7 +110,7 @@ def ran(industrial6):
 
 
 class Fellow:
-    """A client that says what it likes."""
+    """A client that can send any bytes."""
 
     def __init__(self, path):
         self.wire = socket.socket(socket.AF_UNIX)
@@ -153,7 +155,7 @@ def test_the_folder_is_made_for_its_owner_alone(home, monkeypatch):
 def test_a_folder_that_others_may_enter_is_refused(home, rights):
     folder().chmod(rights)
     for ask in (folder, find_runs):
-        with pytest.raises(ControlError, match="others may enter") as found:
+        with pytest.raises(ControlError, match="other users have access to") as found:
             ask()
         assert "chmod 700" in found.value.remedy
 
@@ -167,7 +169,9 @@ def test_the_folder_of_somebody_else_is_refused(home, monkeypatch):
 
 
 def test_the_runtime_folder_of_somebody_else_is_not_ours(home, monkeypatch):
-    """After `su`, XDG_RUNTIME_DIR may still be that of the user before."""
+    """A runtime folder of another user isn't used: after `su`, XDG_RUNTIME_DIR may still name the previous
+    user's folder.
+    """
     assert folder() == home / "yarc"
     monkeypatch.setattr(tempfile, "tempdir", str(home))
     stat = Path.stat
@@ -257,7 +261,7 @@ def test_an_order_wakes_a_session_that_waits(ran):
 def test_an_order_that_cannot_be_is_denied(ran):
     with Fellow(ran.path) as fellow:
         fellow.say(write_order(orders.Resume()))
-        assert fellow.hear() == {"ok": False, "error": "it isn't held: there is nothing to resume"}
+        assert fellow.hear() == {"ok": False, "error": "the robot isn't held: there is nothing to resume"}
     assert ran.orders == []
 
 
@@ -275,11 +279,11 @@ def test_two_clients_at_a_time(ran):
 
 
 def test_half_an_order_is_none(ran):
-    """Whoever dies in the middle of a line has ordered nothing."""
+    """A line without an end isn't executed, since its sender may have died while writing it."""
     with Fellow(ran.path) as fellow:
         fellow.say(b'{"order": "stop"')
         fellow.wire.shutdown(socket.SHUT_WR)
-        assert "half a line" in fellow.hear()["error"]
+        assert "an incomplete line" in fellow.hear()["error"]
         assert fellow.lines.readline() == b""
     assert ran.orders == []
 
@@ -299,7 +303,9 @@ def test_a_line_too_long_ends_the_connection(ran, end):
 @settings(max_examples=50, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.binary(min_size=1, max_size=100).filter(lambda one: b"\n" not in one))
 def test_garbage_is_answered_once(ran, line):
-    """Who says what is no JSON object speaks something else: what follows may only look like an order."""
+    """A line that isn't a JSON object gets one reply, and ends the connection. Its sender uses another
+    protocol, and later lines might look like orders.
+    """
     with Fellow(ran.path) as fellow:
         fellow.say(line + b'\n{"order": "hold"}\n')
         assert fellow.hear()["ok"] is False
@@ -322,12 +328,12 @@ def test_who_does_not_read_keeps_nobody(ran):
                 sent += deaf.wire.send(STATUS * 1000)
             except BlockingIOError:
                 time.sleep(0.01)
-            except ConnectionError:  # it is sent away
+            except ConnectionError:  # the server has disconnected this client
                 break
         for _ in range(20):
             other.say(STATUS)
             assert other.hear()["ok"]
-        # asyncio reads ahead up to twice the longest line, and the kernel has a buffer as well
+        # Asyncio reads ahead up to twice the longest line, and the kernel has a buffer as well.
         assert sent < 2 * MOST_LINE + (1 << 20)
         assert ran.worst < 1.0
 
@@ -363,7 +369,7 @@ def test_a_second_socket_of_the_same_process_is_refused(ran, industrial6):
         async with ControlSocket(coordinator_of(industrial6)):
             pass
 
-    with pytest.raises(ControlError, match=r"listens on .* already"):
+    with pytest.raises(ControlError, match=r"another process already listens on "):
         asyncio.run(second())
     assert status_of(the_run())["program"] == "a.yarc"
 
@@ -381,11 +387,11 @@ def test_a_path_that_is_too_long_is_one_error(home, monkeypatch, industrial6):
         asyncio.run(listen())
 
 
-# who runs
+# finding runs
 
 
 def forgotten(name):
-    """The socket of a process that was killed."""
+    """Create a socket's file like the one that a killed process leaves."""
     path = folder() / f"{name}.sock"
     with socket.socket(socket.AF_UNIX) as wire:
         wire.bind(str(path))
@@ -397,7 +403,7 @@ def test_sockets_of_dead_processes_are_removed(industrial6):
     odd = forgotten("odd")
     assert find_runs() == ()
     assert not dead.exists()
-    assert mine.exists()  # its process lives, and may listen in a moment
+    assert mine.exists()  # not removed: its process lives, and may begin to listen at any moment
     assert odd.exists()
     dead = forgotten(f"industrial6-{DEAD}")
     with Ran(industrial6) as run:
@@ -427,7 +433,7 @@ def test_of_several_runs_one_must_be_named(ran, tracked):
             ControlError, match=r"several runs: industrial6-.*, tracked_manipulator-"
         ) as found:
             the_run()
-        assert found.value.remedy == "say which: --run NAME"
+        assert found.value.remedy == "choose one with --run NAME"
         assert the_run("tracked_manipulator").path == other.path
         with pytest.raises(ControlError, match="several runs"):
             the_run(str(os.getpid()))
@@ -451,7 +457,7 @@ def test_a_run_that_hangs_is_said(home):
         with pytest.raises(ControlError, match=r"doesn't answer within 0\.1 s") as found:
             send(the_run(), "hold", timeout=0.1)
         assert "yarc stop --to" in found.value.remedy
-        for _ in range(5):  # by now many wait to be let in
+        for _ in range(5):  # now many callers wait to be accepted
             with pytest.raises(ControlError, match=r"doesn't answer within 0\.1 s"):
                 send(the_run(), "hold", timeout=0.1)
 
@@ -470,7 +476,7 @@ def test_an_answer_that_is_none_is_said(home):
             wire.bind(str(path))
             wire.listen()
             run = the_run()
-            wire.accept()[0].close()  # that was a look whether it lives
+            wire.accept()[0].close()  # this connection only checked if the process lives
             answering = threading.Thread(target=_answer, args=(wire, answer))
             answering.start()
             with pytest.raises(ControlError, match="understood"):
@@ -523,8 +529,8 @@ def test_which_run_drives_a_controller(ran):
 
 
 def test_a_run_is_found_from_another_environment(industrial6, home, monkeypatch):
-    """Its terminal has another XDG_RUNTIME_DIR (a service, `su`, ssh without a session) than the one that
-    is to stop it.
+    """A run is found even if its terminal has another XDG_RUNTIME_DIR (a service, `su`, ssh without a
+    session) than the terminal that shall stop it.
     """
     elsewhere = home / "elsewhere"
     elsewhere.mkdir(0o700)

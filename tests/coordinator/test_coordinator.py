@@ -1,4 +1,6 @@
-"""The coordinator against the simulator in virtual time: offers, motions, stops, ownership, events."""
+"""Tests of the coordinator against the simulator, in virtual time: offers, motions, stops,
+ownership, events.
+"""
 
 import asyncio
 
@@ -24,7 +26,7 @@ def test_a_line_is_offered_and_then_carried_out():
             assert [one.title for one in offer.motions] == ["P0010 MOVEJ"]
             assert 0.0 < offer.motions[0].proved.velocity.share < 1.0
             assert offer.end / world.robot.axis_units == pytest.approx([10, 0, 0, 0, 20, 0])
-            assert world.stands() == pytest.approx(np.zeros(6), abs=1e-4)  # nothing moves by it
+            assert world.stands() == pytest.approx(np.zeros(6), abs=1e-4)  # an offer moves nothing
             ended = await client.motion.go(offer)
             assert ended.well
             assert world.stands() == pytest.approx([10, 0, 0, 0, 20, 0], abs=1e-4)
@@ -132,7 +134,8 @@ def test_a_stop_overtakes_everything(after):
             stood = world.stands()
             await asyncio.sleep(2.0)
             assert world.stands() == pytest.approx(stood, abs=1e-6)
-            await done(client, "MOVEJ 0 0 0 0 0 0 [2] (deg,s)")  # and it goes on from there
+            # the next motion begins at the position of the stop
+            await done(client, "MOVEJ 0 0 0 0 0 0 [2] (deg,s)")
 
     run(session())
 
@@ -187,7 +190,7 @@ def test_one_owns_the_robot_and_all_others_watch():
             with pytest.raises(NotOwner, match="test owns the robot; pendant can only watch") as refused:
                 other.session.own()
             assert refused.value.code == "Y1611"
-            offer = (await other.motion.offer(MOVE)).value  # anybody may ask
+            offer = (await other.motion.offer(MOVE)).value  # every client may ask for an offer
             for wanted in (other.motion.go(offer), other.motion.clear(), other.signals.set("X", 1.0)):
                 with pytest.raises(NotOwner):
                     await wanted
@@ -200,7 +203,7 @@ def test_one_owns_the_robot_and_all_others_watch():
                     wanted()
             going = asyncio.create_task(client.motion.go(offer))
             await world.until(lambda: world.moving)
-            other.motion.stop()  # is for everybody
+            other.motion.stop()  # every client may stop
             assert not (await going).well
             client.session.give("pendant")
             assert (other.session.owns, client.session.owns) == (True, False)
@@ -232,12 +235,12 @@ def test_what_was_offered_before_does_not_hold_for_ever():
         async with coordinating() as (_, _, client):
             old = (await client.motion.offer(MOVE)).value
             await done(client, "MOVEJ 5 0 0 0 0 0 [1] (deg,s)")
-            with pytest.raises(Trouble, match="doesn't stand any more") as refused:
+            with pytest.raises(Trouble, match="isn't any more at the position") as refused:
                 await client.motion.go(old)
             assert refused.value.code == "Y1613"
             old = (await client.motion.offer(MOVE)).value
             await done(client, "LET A = 1")
-            with pytest.raises(Trouble, match="a declaration has come"):
+            with pytest.raises(Trouble, match="a declaration was added"):
                 await client.motion.go(old)
 
     run(session())
@@ -315,7 +318,7 @@ def test_a_slow_client_slows_nothing_and_knows_what_it_missed():
             assert len(waiting) <= 9
             missed = [one.count for one in waiting if isinstance(one, events.Missed)]
             told = [one for one in waiting if not isinstance(one, events.COALESCED)]
-            # forty messages, three states, a beginning and an end
+            # Forty messages, three states, a beginning and an end.
             assert sum(missed) + len(told) - len(missed) >= 45
 
     run(session())
@@ -344,12 +347,12 @@ def test_a_connection_that_is_lost_in_motion_leaves_it_at_rest_and_a_fault():
             await asyncio.sleep(1.0)
             world.unplug()
             await asyncio.sleep(3.0)
-            assert not world.moving  # the guard PLC
+            assert not world.moving  # the guard PLC has stopped the robot
             world.plug()
             ended = await going
             assert not ended.well
             assert coordinator.state is State.FAULT
-            with pytest.raises(Trouble, match="after a fault nothing moves"):
+            with pytest.raises(Trouble, match="after a fault the controller must be checked"):
                 await client.motion.go((await client.motion.offer(MOVE)).value)
             await client.motion.clear()
             await done(client, MOVE)
@@ -362,7 +365,7 @@ def test_a_fault_at_rest_is_seen():
         async with coordinating() as (world, coordinator, client):
             world.machine.command("#2K", 9)
             await world.until(lambda: coordinator.state is State.FAULT, within=1.0)
-            with pytest.raises(Trouble, match="things aren't as they must be"):
+            with pytest.raises(Trouble, match="checks failed"):
                 await client.motion.clear()
             world.machine.command("#2J/", 9)
             await client.motion.clear()

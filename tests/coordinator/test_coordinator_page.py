@@ -1,4 +1,4 @@
-"""docs/coordinator.md lists the messages that there are, as their types say, and its example runs."""
+"""Tests of docs/coordinator.md: it lists all messages as their types define them, and its example runs."""
 
 import json
 import re
@@ -19,7 +19,7 @@ NAMES = {str: "text", float: "number", int: "integer", bool: "true or false", ty
 
 
 def type_text(annotation):
-    """A type in words."""
+    """Return a type in words."""
     if annotation in NAMES:
         return NAMES[annotation]
     origin, arguments = typing.get_origin(annotation), typing.get_args(annotation)
@@ -39,7 +39,7 @@ def type_text(annotation):
 
 
 def fields_of(kind, without):
-    """Return the fields of an order: name, type and default."""
+    """Return a line for each field of an order: name, type and default."""
     found = []
     for name, field in kind.model_fields.items():
         if name in without:

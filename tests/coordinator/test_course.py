@@ -1,4 +1,6 @@
-"""The course of a loaded program: its motion along the longest ways, and what was proved of it."""
+"""Tests of the course of a loaded program: its motion along the longest branches, and the values that were
+proved.
+"""
 
 import hashlib
 from types import SimpleNamespace
@@ -66,7 +68,7 @@ async def course_of(here, folder, text, samples=500, **options):
 
 
 def at(course, time):
-    """Return the joint positions that are nearest to a time."""
+    """Return the joint positions at the sample that is nearest to a time."""
     times = course.course.times
     return course.course.joints[min(range(len(times)), key=lambda one: abs(times[one] - time))]
 
@@ -96,7 +98,7 @@ def test_the_longest_way_and_the_waits(tmp_path):
         assert [one.index for one in course.commands] == ["P0010", "P0040", "P0050", "P0070"]
         assert (course.left_out, course.takes.waits) == (1, 2)
         assert course.course.times[-1] == pytest.approx(course.takes.duration_s, abs=1e-3)
-        # the same clock as that of the program's list, which progress follows
+        # The course has the same times as the program's list of commands, to which progress refers.
         clocks = {one.index: one.begins_s for one in program.commands}
         assert all(one.begins_s == pytest.approx(clocks[one.index], abs=1e-3) for one in course.commands)
         assert max(one[1] for one in course.course.joints) == pytest.approx(9.0, abs=0.01)
@@ -129,7 +131,7 @@ def test_from_a_command_in_a_sub(tmp_path):
 
 
 def test_what_was_proved_is_what_runs(tmp_path):
-    """The file is written anew between the proof and the run."""
+    """If the file changes between the proof and the run, the proved text is run."""
 
     async def work(world, coordinator, here):
         program, before = await course_of(here, tmp_path, PLAIN)
@@ -174,7 +176,7 @@ def test_a_program_without_motion_and_one_that_isnt_there(tmp_path):
 
 
 def test_the_robot_moves_while_it_is_asked(tmp_path):
-    """Nothing in it needs the robot: it is answered during a motion."""
+    """The course is returned during a motion, because it needs nothing from the robot."""
 
     async def work(world, coordinator, here):
         import asyncio
@@ -198,13 +200,13 @@ WAY = st.recursive(
     ),
     max_leaves=12,
 )  # fmt: skip
-"""Parts of a program as `schedule_of` takes them; times are whole, so that their sums are exact."""
+"""Parts of a program as `schedule_of` takes them. Times are integers, so that their sums are exact."""
 
 
 @given(WAY)
 def test_the_longest_ways_follow_each_other_by_the_clock(parts):
-    """What is chosen takes as long as the program at most, and each motion begins when the one before it
-    has ended.
+    """The motions of the longest way together take at most as long as the program. Each begins when the
+    previous one has ended.
     """
     kinds = {"when": When, "else": Else, "end": EndWhen}
     steps = [object.__new__(kinds[one]) if one in kinds else one for one in parts]

@@ -1,4 +1,4 @@
-"""Where a fault is said to be."""
+"""Tests of the place that the report of a fault names."""
 
 import click
 import pytest

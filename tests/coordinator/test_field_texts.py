@@ -1,4 +1,6 @@
-"""The texts below a message's fields stand in its schema, wherever the field is declared."""
+"""Tests that the docstrings below a message's fields are in the message's schema, in whatever class a field
+is declared.
+"""
 
 from yarclang.coordinator.messages import orders, replies
 from yarclang.coordinator.messages.field_texts import field_texts
@@ -9,7 +11,7 @@ def test_texts_are_those_of_the_source():
     schema = replies.Status.model_json_schema()["properties"]
     assert schema["controller"]["description"] == "Address of the controller, HOST:PORT."
     assert "description" not in schema["robot"]
-    # what a field says itself comes first
+    # The description of the field itself has precedence.
     assert (
         orders.Load.model_json_schema()["properties"]["first"]["description"]
         == "the index of a command, or null"

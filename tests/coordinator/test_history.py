@@ -1,4 +1,4 @@
-"""The way back, and the session as a program that compiles to the same motions."""
+"""Tests of motions back along the path, and of the session as a program that compiles to the same motions."""
 
 import asyncio
 from itertools import pairwise
@@ -47,8 +47,8 @@ def test_back_goes_along_the_same_path(name):
             since = world.machine.now
             assert (await client.motion.go(made.value)).well
             assert world.stands() == pytest.approx(before, abs=1e-4)
-            assert _apart(there, _path(world, since)) < 0.01  # deg
-            # it was taken back: the one before comes next
+            assert _apart(there, _path(world, since)) < 0.01  # [deg]
+            # The last motion has been taken back, so the motion before is offered next.
             assert (await client.motion.go((await client.motion.offer_back()).value)).well
             assert world.stands() == pytest.approx(np.zeros(6), abs=1e-4)
             assert codes(await client.motion.offer_back()) == ["Y1614"]
@@ -57,7 +57,7 @@ def test_back_goes_along_the_same_path(name):
 
 
 def _path(world, since):
-    """Where the robot was (N, n) [deg], every 2 ms."""
+    """Return the positions of the robot (N, n) [deg], every 2 ms."""
     from yarclang.robot.actuation import from_counts
 
     world.catch_up()
@@ -67,7 +67,9 @@ def _path(world, since):
 
 
 def _apart(one, other):
-    """How far the places of one path are from the other [deg], by the nearest sample on a fine grid."""
+    """Return the largest distance of a path's points from another path [deg], by the nearest sample on a fine
+    grid.
+    """
     from scipy.spatial import cKDTree
 
     fine = np.concatenate([np.linspace(a, b, 8) for a, b in pairwise(one)])
@@ -166,7 +168,7 @@ def test_a_saved_session_compiles_to_the_same_motions(tmp_path):
     assert text.startswith("ROBOT INDUSTRIAL6\nSTART 0 0 0 0 0 0 (deg)\n")
     value, found = compiled(text, "INDUSTRIAL6")
     assert value is not None, found
-    assert len(value.plan.motions) == 3  # what was taken back isn't in it
+    assert len(value.plan.motions) == 3  # the saved program doesn't contain motions that were taken back
     for mine, saved in zip(plans, value.plan.motions, strict=True):
         assert saved.curve.segment == pytest.approx(mine.curve.segment, rel=1e-12)
         assert np.abs(saved.curve.points - mine.curve.points).max() < 1e-9
@@ -186,7 +188,7 @@ def test_a_saved_session_bridges_what_no_command_did():
             return client.files.saved(), line.start, line.end
 
     text, start, end = run(session())
-    assert "to where the robot was moved" in text
+    assert "! to the position to which the robot was moved" in text
     value, found = compiled(text, "INDUSTRIAL6")
     assert value is not None, found
     assert value.plan.motions[1].waypoints[-1] == pytest.approx(start, abs=1e-9)

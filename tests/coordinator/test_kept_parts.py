@@ -1,5 +1,5 @@
-"""Where parts are between lines, programs and jogs: after runs that end, are stopped and are begun in the
-middle, and for several clients.
+"""Tests of the places of parts between lines, programs and jogs: after complete, stopped and continued runs,
+and for several clients.
 """
 
 import asyncio
@@ -54,7 +54,7 @@ def along_z(speed):
 
 
 def where(client):
-    """The parts by their names: the gripper that holds it, or the places where it lies or may lie."""
+    """Return for each part, by name, the gripper that holds it, or the place or places where it may lie."""
     found = {}
     for one in client.parts.where().value.present.parts.items:
         place = one.gripper or tuple(one.transform[:3, 3].round(4).tolist())
@@ -89,7 +89,7 @@ def test_a_part_in_the_gripper_meets_what_the_empty_gripper_passes(project):
             assert (await client.parts.put("BOX", "{GRIPPER}", np.eye(4))).value is not None
             held = await client.motion.offer(below)
             assert held.value is None
-            assert "BOX goes" in " ".join(one.message for one in held.diagnostics)
+            assert "BOX penetrates" in " ".join(one.message for one in held.diagnostics)
 
     run(typed())
 
@@ -151,7 +151,8 @@ def test_a_program_leaves_its_parts_to_the_next(project):
             ended = await client.motion.run(await loaded(client, project), approach=True)
             assert ended.well, ended
             assert where(client) == {"BOX": tuple(PUT_AT)}
-            # from there on, a program that leads to the feeder closes on nothing
+            # The box isn't at the feeder any more, so a program that moves to the feeder to grip it gets a
+            # finding.
             made = await client.files.load(Source(str(project / "all.yarc")))
             assert "Y0940" in codes(made) or made.value is None
 
@@ -176,7 +177,8 @@ def test_a_run_that_is_stopped_leaves_them_as_it_came(project, at, expected):
             assert not ended.well
             assert ended.command_index == at
             assert where(client) == {"BOX": expected}
-            # the rest goes on from there; beside a part along the path of the motion that was stopped
+            # Continue with the rest of the program. If the robot is at a part, it returns along the path of
+            # the stopped motion.
             rest = await loaded(client, project, first=at)
             assert (await client.motion.run(rest, approach=True)).well
             assert where(client)["BOX"] == tuple(PUT_AT)
@@ -197,8 +199,8 @@ def test_a_run_from_a_set_on_begins_where_the_robot_stands(project):
 
 
 def test_a_run_that_is_killed_at_any_instant_agrees_with_the_gripper(project):
-    """What the coordinator believes is what the controller's output has done, at the place where it did
-    it.
+    """At whatever instant a run is killed, the coordinator's places agree with the output of the controller:
+    the part is where the output was switched.
     """
 
     async def ran(after):
@@ -242,10 +244,10 @@ def test_a_line_that_was_offered_before_the_parts_changed_is_not_carried_out(pro
                 lambda: client.motion.go(offer),
                 lambda: client.motion.run(program, approach=True),
             ):
-                with pytest.raises(Trouble, match="BOX isn't where it was") as told:
+                with pytest.raises(Trouble, match="BOX isn't at the place for which this was proved") as told:
                     await moving()
                 assert told.value.code == "Y1620"
-            # what the one says, the other sees
+            # Both clients see the same places.
             assert where(other) == {"BOX": tuple(PUT_AT)}
             await client.parts.as_filed()
             assert (await client.motion.go(offer)).well
@@ -338,8 +340,8 @@ def test_a_controller_text_is_followed_by_its_program(project):
             text = await loaded(client, project, "all.pmc")
             assert (await client.motion.run(text, approach=True)).well
             assert where(client) == {"BOX": tuple(PUT_AT)}
-            # it was proved with the part at the feeder
-            with pytest.raises(Trouble, match="BOX isn't where it was"):
+            # The text was proved with the part at the feeder.
+            with pytest.raises(Trouble, match="BOX isn't at the place for which this was proved"):
                 await client.motion.run(text, approach=True)
 
     run(ran())
@@ -358,7 +360,7 @@ def test_a_text_whose_program_is_not_known_leaves_doubt(project):
             assert (await client.motion.run(made.value, approach=True)).well
             assert "controller text" in client.parts.where().value.doubt
             for ask in (lambda: client.motion.offer("MOVEJ HOME"), lambda: client.live.drive(along_z(0.01))):
-                with pytest.raises(Trouble, match="nobody knows where the parts") as told:
+                with pytest.raises(Trouble, match="the places of the cell's parts") as told:
                     await ask()
                 assert told.value.code == "Y1620"
             await client.parts.put("BOX", "{PUT}", np.eye(4))
@@ -432,7 +434,7 @@ def test_two_grippers_hold_a_part_each(project):
             await done(client, "MOVEL {SECOND} 0 0 0 0 0 0 [2] {PUT}")
             await done(client, "SET GRIP2 ON")
             assert where(client) == {"BOX": "M1", "CAN": "M3"}
-            # beside the other one
+            # Put the part down beside the other one.
             await done(client, "SET GRIP OFF")
             await done(client, "SET GRIP ON")
             made = await client.motion.offer("MOVEL {SECOND} 0 0 120 0 0 0 [2] {PUT}")

@@ -1,4 +1,4 @@
-"""KEPT registers: what they hold is there in the next run, whatever ends this one."""
+"""Tests of KEPT registers: their values are there in the next run, however a run ends."""
 
 import os
 import signal
@@ -38,7 +38,7 @@ def test_what_was_kept_is_there_again(kept):
     kept.keep("COUNT", 4)
     kept.keep("COUNT", 5)
     assert kept.first((COUNT, TOTAL, PLAIN)) == ({"COUNT": 5}, [])
-    kept.keep("PLAIN", 1)  # declared otherwise by now
+    kept.keep("PLAIN", 1)  # PLAIN is declared without KEPT now
     assert kept.first((PLAIN,)) == ({}, [])
 
 
@@ -50,7 +50,10 @@ def test_each_program_and_each_controller_counts_by_itself(kept):
 
 def test_a_value_out_of_its_range_is_told_and_begins_anew(kept):
     kept.keep("COUNT", 7)
-    assert kept.first((COUNT,)) == ({}, ["COUNT was kept as 7, and is 0 to 5 now: it begins with 0"])
+    assert kept.first((COUNT,)) == (
+        {},
+        ["COUNT was stored as 7, but its range is now 0 to 5: it begins with 0"],
+    )
 
 
 def test_a_program_and_its_controller_text_have_the_same_registers(tmp_path, monkeypatch):
@@ -74,7 +77,7 @@ def test_a_file_that_is_no_database_is_told(kept):
             use()
     with pytest.raises(OSError, match="file is not a database"):
         kept.keep("COUNT", 3)
-    assert kept.first((PLAIN,)) == ({}, [])  # who keeps nothing needs no file
+    assert kept.first((PLAIN,)) == ({}, [])  # without KEPT registers, the file isn't read
 
 
 def test_a_value_of_another_kind_is_told(kept):
@@ -86,7 +89,9 @@ def test_a_value_of_another_kind_is_told(kept):
 
 
 def test_a_kill_leaves_the_last_value_or_the_one_before(kept):
-    """What was told as kept is there after kill -9 at any instant, and nothing half written."""
+    """After a kill -9 at any instant, the file has the last value that was reported as stored, or the next
+    one, and no partial value.
+    """
     script = (
         "import sys\n"
         "from yarclang.coordinator.kept_registers import KeptRegisters\n"
@@ -127,7 +132,7 @@ def test_a_run_ends_where_a_value_cannot_be_kept(industrial6):
     ended = made.perform(perform(made.operation, job(industrial6, *LINES, *lines)))
     assert not ended.well
     assert ended.code == "Y1636"
-    assert "can't keep COUNT = 2: no space left on the disk" in ended.what
+    assert "can't store COUNT = 2: no space left on the disk" in ended.what
     assert dict(ended.registers) == {"COUNT": 0, "N": 1}
     assert value(made, "M2") == 0
 
@@ -165,7 +170,9 @@ def test_a_question_is_answered_from_another_terminal(tmp_path, monkeypatch):
 
 
 def test_what_comes_from_standard_input_keeps_nothing(tmp_path, monkeypatch):
-    """It has no name: two programs from there would count each other's registers on."""
+    """A program from standard input stores no registers. It has no name, so two such programs would use the
+    same registers.
+    """
     monkeypatch.chdir(tmp_path)
     lines = (
         "ROBOT INDUSTRIAL6\n"
@@ -177,7 +184,7 @@ def test_what_comes_from_standard_input_keeps_nothing(tmp_path, monkeypatch):
     for _ in range(2):
         result = CliRunner().invoke(main, ["run", "-", "-y", "--rate", "20", "--no-log"], input=lines)
         assert result.exit_code == 0, result.output
-        assert "a program from standard input keeps no registers: COUNT begins anew" in result.output
+        assert "registers of a program from standard input aren't stored: COUNT begins anew" in result.output
         assert "SAY: 1" in result.output
     assert not registers_file().exists()
 
@@ -202,7 +209,7 @@ def test_runs_one_after_the_other(tmp_path, monkeypatch):
     code, output = said("registers", "box.yarc")
     assert (code, output) == (0, f"{tmp_path / 'box'} on INDUSTRIAL6 simulated\n  COUNT is 4\n")
     assert said("registers", "--forget", "box.yarc") == (0, "box.yarc: 1 value forgotten\n")
-    assert said("registers", "box.yarc") == (0, "no register is kept of box.yarc\n")
+    assert said("registers", "box.yarc") == (0, "no register values are stored for box.yarc\n")
     assert said("registers", "--forget")[0] == 2
     registers_file().write_bytes(b"junk" * 999)
     code, output = said("run", "box.yarc", "-y", "--rate", "20", "--no-log")

@@ -1,5 +1,5 @@
-"""A law: a program whose commands are typed one by one leaves the parts where the program as a whole
-leaves them.
+"""Property: a program whose commands are typed one by one leaves the parts in the same places as the program
+as a whole.
 """
 
 from pathlib import Path
@@ -24,11 +24,11 @@ VISITS = st.tuples(
 )
 THERE_AND_BACK = [("FEEDER", "GRIP ON"), ("PUT", "GRIP OFF"), ("PUT", "GRIP ON"), ("FEEDER", "GRIP OFF")]
 EMPTY = st.tuples(st.just("PUT"), st.sampled_from(["", "GRIP OFF", "TAKEN ON"]))
-"""A visit that disturbs nobody as long as the box is in the feeder."""
+"""A visit of a place that changes nothing while the box is in the feeder."""
 
 
 def carried(before, after):
-    """A box is carried as far as somebody likes, there and back."""
+    """Return a strategy of visits that carry the box to PUT and back to the feeder, or a part of this way."""
     return st.builds(
         lambda first, count, then: [*first, *THERE_AND_BACK[:count], *then],
         st.lists(EMPTY, max_size=before),
@@ -38,7 +38,7 @@ def carried(before, after):
 
 
 SERIES = st.one_of(carried(1, 0), carried(2, 0), carried(0, 1), st.lists(VISITS, min_size=1, max_size=4))
-"""Visits that can mostly be done, and those in any order, of which few can."""
+"""Sequences of visits that can mostly be carried out, and random sequences, which rarely can."""
 
 
 def commands(visits):
@@ -51,7 +51,7 @@ def commands(visits):
 
 
 def whole(folder, text):
-    """Compile a program; where its parts are in the end, or None if it is refused."""
+    """Compile a program. Return the final places of its parts; None if the program is refused."""
     body = "".join(f"P{10 * number:04d} {one}\n" for number, one in enumerate(text, 1))
     opened = open_source(
         SourceFile(str(folder / "p.yarc"), HEAD + body), folder, Options(robot="INDUSTRIAL6")
@@ -63,7 +63,7 @@ def whole(folder, text):
 
 
 def learned(kept, compiled):
-    """Let a program be carried out to its end."""
+    """Record that a program was carried out to its end."""
     from yarclang.pipeline.jobs import job_of_compiled
 
     plan, job = compiled.plan, job_of_compiled(compiled, "p")
@@ -74,7 +74,7 @@ def learned(kept, compiled):
 
 
 def typed(folder, text):
-    """Type the commands one by one."""
+    """Enter the commands one by one. Return the final places of the parts."""
     (folder / "yarc.toml").write_text('robot = "INDUSTRIAL6"\ncell = "cell.toml"\n')
     from yarclang.robot.description import load_robot
 

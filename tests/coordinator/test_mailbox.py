@@ -1,4 +1,6 @@
-"""Event streams: bounded, positions coalesce, what is left out is counted."""
+"""Tests of event streams: their length is limited, only the newest position is stored, and dropped events are
+counted.
+"""
 
 from hypothesis import given
 from hypothesis import strategies as st

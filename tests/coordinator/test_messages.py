@@ -1,4 +1,4 @@
-"""Messages and their lines: round trips, and whatever else may come."""
+"""Tests of messages and their lines: round trips, and arbitrary other input."""
 
 import json
 
@@ -85,7 +85,8 @@ ORDERS = st.one_of(
         st.builds(
             orders.Fill,
             values=st.dictionaries(
-                st.text(max_size=9), st.integers() | st.floats(allow_nan=False) | st.text()
+                st.text(max_size=9),
+                st.integers() | st.floats(allow_nan=False, allow_infinity=False) | st.text(),
             ),
             number=st.none() | st.integers(),
         ),
@@ -103,7 +104,7 @@ ORDERS = st.one_of(
         ),
     ]
 )
-"""Any order; what the types alone don't bound is given."""
+"""Any order. Values that the types alone don't limit are given."""
 
 STATUS = replies.Status(
     program="a.yarc",
@@ -172,7 +173,7 @@ def test_every_order_has_a_word_an_answer_and_a_description():
         for name, field in kind.model_fields.items()
         if name != "order" and not field.description
     ]
-    assert bare == []  # what is wrong with a field is said by its description
+    assert bare == []  # each field needs a description, because error messages contain it
 
 
 @pytest.mark.parametrize("answer", ANSWERS, ids=lambda one: type(one).__name__)
@@ -244,15 +245,15 @@ def test_garbage_is_one_clear_error(tally, line):
         (b"{}\n", 'there is no "order"; it may be hello, status, hold'),
         (b'{"order": "jump"}\n', '"order" is "jump"; it may be hello'),
         (b'{"order": ["hold"]}\n', '"order" is a list'),
-        (b'{"order": "stop", "abort": true}\n', 'stop takes no "abort"'),
+        (b'{"order": "stop", "abort": true}\n', 'stop has no field "abort"'),
         (b'{"order": "override"}\n', 'override needs "percent"'),
         (b'{"order": "override", "percent": 0}\n', "from 1 to 100"),
         (b'{"order": "override", "percent": 100.5}\n', "from 1 to 100"),
         (b'{"order": "override", "percent": true}\n', "from 1 to 100"),
         (b'{"order": "override", "percent": "50"}\n', "from 1 to 100"),
         (b'{"order": "override", "percent": NaN}\n', "from 1 to 100"),
-        (b'{"order": "hello", "version": 2, "colour": "red"}\n', "version 2 of the protocol isn't spoken"),
-        (b'{"order": "hello", "version": "1"}\n', "isn't spoken here; this is version 1"),
+        (b'{"order": "hello", "version": 2, "colour": "red"}\n', "version 2 of the protocol isn't supported"),
+        (b'{"order": "hello", "version": "1"}\n', "isn't supported; this is version 1"),
         (b'{"order": "go"}\n', 'go needs "offer", the number of an offer'),
         (b'{"id": {}, "order": "hold"}\n', '"id" is an object'),
         (b'{"order": "' + b"x" * 1000 + b'"}\n', 'x..."'),
@@ -279,14 +280,14 @@ def test_when_an_order_is_fulfilled():
     assert not fulfilled("hold", status_in("move"))
     assert not fulfilled("hold", status_in("init", 1))
     assert fulfilled("hold", status_in("hold"))
-    assert fulfilled("hold", status_in("stop", 1))  # nothing moves
+    assert fulfilled("hold", status_in("stop", 1))  # nothing moves, so there is nothing to hold
     assert not fulfilled("resume", status_in("hold"))
     assert not fulfilled("resume", status_in("stop", 1))
     assert fulfilled("resume", status_in("move"))
     for stop in ("stop", "abort"):
         assert not fulfilled(stop, status_in("hold"))
         assert not fulfilled(stop, status_in("disconnected"))
-        assert not fulfilled(stop, status_in("stop", 1))  # it looks at the controller still
+        assert not fulfilled(stop, status_in("stop", 1))  # the controller is still being inspected
         assert fulfilled(stop, status_in("stop"))
         assert fulfilled(stop, status_in("fault"))
     assert not fulfilled("override", status_in("move"), percent=50.0)

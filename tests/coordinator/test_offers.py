@@ -1,4 +1,4 @@
-"""Texts of a session, checked and planned behind its lines."""
+"""Tests of texts in a session, which are checked and planned after the session's lines."""
 
 from yarclang.coordinator.lines import Lines
 from yarclang.coordinator.offers import Planner
@@ -6,7 +6,7 @@ from yarclang.robot.description import load_robot
 
 
 def test_a_finding_in_a_module_stands_at_the_text_that_was_typed(tmp_path):
-    """A command of a session has no index of its own."""
+    """A finding in a module refers to the typed text, although a typed command has no index of its own."""
     robot = load_robot("INDUSTRIAL6").value
     lines = Lines()
     lines.declare(("USE PICKPLACE", "OUTPUT GRIP M1", "FRAME {FAR} 1900 800 700 0 0 0 (mm,deg) {B}"))

@@ -1,4 +1,4 @@
-"""What offers say of parts."""
+"""Tests of what an offer says about parts."""
 
 from tests.handling.carrying import CELL, GIVEN, PICK
 from yarclang.coordinator.describing import offer_described

@@ -1,4 +1,6 @@
-"""What of a text stays in a session, and what is carried out."""
+"""Tests of splitting a text into declarations, which stay in a session, and commands, which are carried out
+once.
+"""
 
 import pytest
 from programs import source

@@ -1,5 +1,5 @@
-"""What people say of tools that are changed: each hangs on the flange or stands in its place, and one at
-most hangs there.
+"""Tests of what users declare about tools of a tool changer: each tool is on the flange or in its place, and
+at most one is on the flange.
 """
 
 import numpy as np
@@ -43,10 +43,10 @@ def test_a_tool_is_put_on_the_flange_and_back_exactly(known):
 @pytest.mark.parametrize(
     ("name", "gripper", "off", "words"),
     [
-        ("GRIPPER", None, 6e-4, "stands in its place"),
-        ("GRIPPER", "M2", 0.0, "stands in its place"),
+        ("GRIPPER", None, 6e-4, "be only in its place"),
+        ("GRIPPER", "M2", 0.0, "be only in its place"),
         ("SUCTION", "M1", 0.0, "the gripper holds GRIPPER"),
-        ("BLOCK", "M1", 0.0, "holds tools, and no parts"),
+        ("BLOCK", "M1", 0.0, "holds only tools, not parts"),
         ("BLOCK", "M3", 0.0, "belongs to SUCTION"),
     ],
 )

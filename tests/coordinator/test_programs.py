@@ -1,4 +1,6 @@
-"""Whole programs in a session: from a command on, command by command, again and again, from elsewhere."""
+"""Tests of whole programs in a session: from a given command, command by command, repeatedly, and from
+another position.
+"""
 
 import asyncio
 from pathlib import Path
@@ -34,7 +36,7 @@ def test_a_program_is_run_twice():
             assert (await client.motion.run(loaded(), times=2)).well
             assert world.stands() == pytest.approx([0.0] * 6, abs=1e-4)
             commands = {one.command for one in stream.waiting() if isinstance(one, events.ProgressMade)}
-            assert commands  # the newest one waits
+            assert commands  # at least the newest event is still stored
 
     run(session())
 

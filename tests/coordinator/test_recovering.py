@@ -1,5 +1,5 @@
-"""From anywhere to a program: to its start, or to the nearest place at which it may begin, proved and
-slow; and zones from which programs begin by themselves.
+"""Tests of recovery from any position to a program: to its start or to the nearest position at which it can
+begin, slowly and proved. Also tests of start zones, from which programs begin without a confirmation.
 """
 
 import asyncio
@@ -47,7 +47,7 @@ P0070 MOVEJ -60 20 -20 0 -30 0 [2] (deg,s)
 
 
 RANGES = ((-150.0, 150.0), (-40.0, 40.0), (-60.0, 40.0), (-90.0, 90.0), (-80.0, 80.0), (-90.0, 90.0))
-"""Of the joints [deg]."""
+"""Ranges of the joints from which the tests draw [deg]."""
 
 
 def project(folder, cell=POST, program=PROGRAM):
@@ -63,7 +63,7 @@ def messages(findings):
 
 @contextlib.asynccontextmanager
 async def standing(folder, joints, **options):
-    """A coordinator whose robot stands somewhere, and its owner."""
+    """Yield a coordinator whose robot stands at given joint positions, and its owner."""
     async with coordinating(folder=folder, joints=joints, **options) as (world, coordinator, client):
         client.session.release()
         robot = Here(coordinator, "run")
@@ -92,12 +92,13 @@ def test_round_what_is_in_the_way_to_the_start_slowly(tmp_path):
             assert "SPLINE" in way.offer.motions[0].title
             assert way.offer.motions[0].peaks.velocity.share <= way.share * (1.0 + 1e-6)
             assert way.share == world.robot.controller.rapid_share
-            assert world.stands() == pytest.approx(RIGHT, abs=1e-4)  # nothing has moved yet
+            assert world.stands() == pytest.approx(RIGHT, abs=1e-4)  # planning has moved nothing
             assert (await robot.ask(orders.Go(offer=way.offer.number))).well
             assert world.stands() == pytest.approx(LEFT, abs=1e-4)
             again = await asked(robot, number)
             assert (again.place, again.offer) == ("", None)
-            # what nobody has written is no command of the session, but it can be taken back
+            # The motion wasn't entered by a user, so it isn't saved with the session. But it can be driven
+            # back.
             assert "MOVEJ" not in (await robot.ask(orders.Save())).text
             assert (await robot.ask(orders.OfferBack())).offer is not None
 
@@ -105,7 +106,9 @@ def test_round_what_is_in_the_way_to_the_start_slowly(tmp_path):
 
 
 def test_the_nearest_place_is_taken_where_the_start_cannot_be_reached(tmp_path):
-    """The start lies in front of the wall; P0020 and P0060 lie behind it, where the robot stands."""
+    """The start lies in front of the wall. The robot stands behind the wall, like the starts of P0020 and
+    P0060.
+    """
     program = """ROBOT INDUSTRIAL6
 CELL "cell.toml"
 START 60 20 -20 0 -30 0 (deg)
@@ -126,7 +129,7 @@ joints = { J1 = [-10, 10] }
             way = await asked(robot, await loaded(robot, folder))
             assert (way.place, way.offer) == (None, None)
             assert [one.code for one in way.findings] == ["Y1660", "Y0926"]
-            assert "no motion from where the robot stands to the start or to" in way.findings[0].message
+            assert "no motion from the robot's position to the start or to" in way.findings[0].message
             assert "NEVER" in way.findings[0].message
             assert world.stands() == pytest.approx(LEFT, abs=1e-4)
 
@@ -143,8 +146,8 @@ P0030 MOVEJ -60 20 -20 0 -30 0 [2] (deg,s)
 
 
 def test_a_start_in_something_gives_way_to_the_nearest_place(tmp_path):
-    """A box was put where the program starts since the program was proved; that is another cell for the
-    way alone, so a part stands there instead.
+    """After the proof, an obstacle appears at the program's start, so the nearest position is used. The
+    obstacle is a part, because a changed cell would make the proof invalid.
     """
     cell = (
         POST
@@ -163,7 +166,8 @@ size = [150, 150, 150]
         async with standing(folder, [-110.0, -10, -20, 0, -30, 0]) as (world, _, robot):
             number = await loaded(robot, folder)
             way = await asked(robot, number)
-            assert (way.place, way.assumed) == ("", ("CRATE",))  # nobody has said anything yet
+            # nobody has confirmed the place of the part yet
+            assert (way.place, way.assumed) == ("", ("CRATE",))
             at_start = world.robot
             pose = flange(at_start, LEFT)
             await robot.ask(
@@ -171,7 +175,7 @@ size = [150, 150, 150]
                     part="CRATE", at="frame", frame="{B}", pose=(*(pose[:3, 3] * 1e3), 0.0, 0.0, 0.0)
                 )
             )
-            with pytest.raises(Trouble, match="CRATE isn't where it was"):
+            with pytest.raises(Trouble, match="CRATE isn't at the place for which this was proved"):
                 await robot.ask(orders.Go(offer=way.offer.number))
             way = await asked(robot, number)
             assert way.place in ("P0020", "P0030")
@@ -179,13 +183,13 @@ size = [150, 150, 150]
             assert way.line == {"P0020": 5, "P0030": 6}[way.place]
             assert "CRATE" in messages(way.refused)
             assert (await robot.ask(orders.Go(offer=way.offer.number))).well
-            # the robot stands there now, and the start is still in the crate
+            # The robot is now at this position, and the start is still inside of the crate.
             again = await asked(robot, number)
             assert (again.place, again.offer) == (way.place, None)
-            # a command that was named is the only place
+            # If a command is given, only its beginning is tried.
             named = await asked(robot, await loaded(robot, folder, first="P0010"))
             assert named.place is None
-            assert "to P0010 MOVEJ is proved" in messages(named.findings)
+            assert "to P0010 MOVEJ could be proved" in messages(named.findings)
             await robot.ask(orders.PlacePart(part="CRATE", at="gone"))
             assert (await asked(robot, number)).place == ""
 
@@ -217,15 +221,15 @@ size = [150, 150, 150]
             )
             way = await asked(robot, number)
             assert way.place is None
-            assert "the robot can't leave from where it stands" in way.findings[0].message
-            assert "nearest" not in way.findings[0].message  # they weren't tried
+            assert "no path can begin at the robot's position" in way.findings[0].message
+            assert "nearest" not in way.findings[0].message  # other positions weren't tried
 
     run(refused())
 
 
 def test_a_part_in_the_gripper_goes_along_and_a_program_that_cannot_run_is_recovered(tmp_path):
-    """Stopped with the part in its gripper: the program can't be begun as things are, and it is recovered
-    all the same.
+    """The run was stopped with a part in the gripper. The program can't begin in this state, but recovery is
+    possible.
     """
     (tmp_path / "yarc.toml").write_text('robot = "INDUSTRIAL6"\ncell = "cell.toml"\n')
     (tmp_path / "cell.toml").write_text(CELL.format(**GIVEN))
@@ -263,15 +267,18 @@ def test_orders_that_do_not_belong_are_refused(tmp_path):
             number = await loaded(robot, folder)
             way = await asked(robot, number)
             other = Here(coordinator, "other")
-            assert (await asked(other, await loaded(other, folder))).offer is not None  # anybody may ask
+            assert (await asked(other, await loaded(other, folder))).offer is not None  # every client may ask
             with pytest.raises(Trouble, match="run owns the robot"):
                 await other.ask(orders.Go(offer=way.offer.number))
-            # the robot is moved meanwhile: the way doesn't begin where it stands any more
+            # If the robot is moved in the meantime, the motion no longer begins at its position, and is
+            # refused.
             moved = await robot.ask(orders.Offer(text="MOVEJ 62 20 -20 0 -30 0 [1] (deg,s)"))
             assert (await robot.ask(orders.Go(offer=moved.offer.number))).well
-            with pytest.raises(Trouble, match="doesn't stand any more where this was planned from"):
+            with pytest.raises(
+                Trouble, match="isn't any more at the position from which this motion was planned"
+            ):
                 await robot.ask(orders.Go(offer=way.offer.number))
-            # and so is the cell
+            # It is also refused if the cell changes.
             way = await asked(robot, number)
             (folder / "cell.toml").write_text(
                 POST.replace("120, 120", "130, 120") + '\n[inputs]\nDOOR = "M11"\n'
@@ -306,12 +313,12 @@ def test_power_is_lost_on_the_way_and_it_is_recovered_again(tmp_path):
 
 
 @exercises(recovered=0.3)
-@example(here=(-11.0, 0.0, 0.0, 0.0, 0.0, 0.0))  # it was faster than the share by 0.2 %
+@example(here=(-11.0, 0.0, 0.0, 0.0, 0.0, 0.0))  # this motion once was faster than the share by 0.2 %
 @given(here=st.tuples(*(st.floats(low, high) for low, high in RANGES)))
 @settings(max_examples=12, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_from_anywhere_it_is_clear_of_everything(tally, tmp_path, here):
-    """Wherever the robot stands, the way ends at a place of the program, slowly and clear by an
-    independent look; else it is said why not.
+    """From any position, the motion ends at a position of the program, slowly and without a collision by an
+    independent check. Otherwise a reason is given.
     """
     folder = project(tmp_path)
 
@@ -337,7 +344,7 @@ def test_from_anywhere_it_is_clear_of_everything(tally, tmp_path, here):
 
 
 def found_from(folder, text, degrees, cell=POST, **options):
-    """What is found for a robot that stands somewhere, without a controller."""
+    """Return the result for a robot at given joint positions, without a controller."""
     robot = load_robot("INDUSTRIAL6").value
     made = load(Source(str(project(folder, cell, text) / "p.yarc"), **options), robot)
     assert made.value is not None, made.diagnostics
@@ -346,7 +353,7 @@ def found_from(folder, text, degrees, cell=POST, **options):
 
 @pytest.mark.parametrize(("angle", "place"), [(80, "the start"), (50, None)])
 def test_the_way_to_a_program_keeps_to_the_rules_of_the_cell(tmp_path, angle, place):
-    """The tool stands 65 degrees tilted."""
+    """The motion respects a KEEP rule: at its beginning, the tool is tilted by 65 degrees."""
     rule = f'units = "mm,deg"\n[[keep]]\nframe = "TCP"\nrule = "upright"\nangle = {angle}\n'
     made = found_from(tmp_path, SKIPPING, [40.0, 0, 0, 0, 65.0, 0], rule)
     assert (made.value and made.value.place.title) == place
@@ -359,21 +366,24 @@ def test_the_way_to_a_program_keeps_to_the_rules_of_the_cell(tmp_path, angle, pl
 
 @pytest.mark.parametrize(("off", "place"), [(0.01, None), (1e-6, "the start"), (0.0, "the start")])
 def test_a_joint_beyond_its_limit_is_named(tmp_path, off, place):
-    """J1 goes to 170 deg; what is off by rounding stands on the limit."""
+    """The limit of J1 is 170 deg. A deviation in the size of rounding counts as being at the limit; a larger
+    one is reported.
+    """
     made = found_from(tmp_path, SKIPPING, [170.0 + off, 0, 0, 0, 0, 0])
     assert (made.value and made.value.place.title) == place
     if place is None:
         (finding,) = made.diagnostics
-        assert finding.message.startswith(
-            "J1 stands at 170.0100 deg, 0.0100 deg beyond its limits -170 to 170"
-        )
+        assert finding.message.startswith("J1 is at 170.0100 deg, 0.0100 deg beyond its limits -170 to 170")
 
 
 def test_a_program_that_moves_nothing_has_only_its_start(tmp_path):
     text = 'ROBOT INDUSTRIAL6\nCELL "cell.toml"\nP0010 STOP\n'
     made = found_from(tmp_path, text, RIGHT)
     assert made.value is None
-    assert "to the start is proved: the robot can't go to the start" in made.diagnostics[0].message
+    assert (
+        "to the start could be proved: no path can end at the program's start: there, link_4 is 96 mm deep"
+        in made.diagnostics[0].message
+    )
     free = found_from(tmp_path, text, RIGHT, 'units = "mm,deg"\n')
     assert free.value.place.title == "the start"
 
@@ -383,7 +393,7 @@ def test_a_command_behind_ways_is_named_and_those_inside_are_no_places(tmp_path)
     assert (made.value.place.index, made.value.place.title) == ("P0070", "P0070 MOVEJ")
     plan = made.value.made.plan
     assert np.degrees(plan.motions[-1].waypoints[-1]) == pytest.approx([-60, 10, -20, 0, -30, 0])
-    # the start is in the window, P0040, P0050 and P0060 are inside of the WHEN
+    # The start is in the forbidden window; P0040, P0050 and P0060 are inside of the WHEN.
     cell = """units = "mm,deg"
 [[zones]]
 name = "NEVER"
@@ -435,7 +445,7 @@ def test_from_a_start_zone_a_program_begins_by_itself(tmp_path):
             assert ended.well, ended
             heard.close()
             told = [one.text async for one in heard if one.event == "message"]
-            assert any("start zone HOME: it goes there by itself" in one for one in told)
+            assert any("start zone HOME: it moves there without confirmation" in one for one in told)
             assert world.stands() == pytest.approx(LEFT, abs=1e-4)
 
     run(ran())
@@ -457,7 +467,9 @@ def test_outside_of_it_nothing_begins_by_itself(tmp_path, off):
 
 
 def test_in_a_start_zone_a_way_that_is_not_proved_is_not_gone(tmp_path):
-    """The zone gives leave, and proves nothing: a post stands between."""
+    """A start zone makes a confirmation unnecessary, but no proof: the motion is refused because a post is in
+    its way.
+    """
     wide = START_ZONE.replace("[-70, -50]", "[-70, 70]").replace("HOME", "WIDE")
     barrier = """
 [[zones]]
@@ -475,7 +487,7 @@ joints = { J1 = [-10, 10] }
             assert (way.zone, way.duration_s) == ("WIDE", None)
             with pytest.raises(Trouble, match="doesn't stand where") as trouble:
                 await robot.ask(orders.Run(program=number))
-            assert "there is no joint motion to the start" in trouble.value.remedy
+            assert "no joint motion to the start is possible" in trouble.value.remedy
             assert world.stands() == pytest.approx(RIGHT, abs=1e-4)
 
     run(refused())

@@ -1,5 +1,5 @@
-"""The robot and its surroundings as programs that draw them are told: they are the robot and the cell, and
-who watches hears of each change.
+"""Tests of the description of the robot and its surroundings for programs that draw them: it agrees with the
+files, and clients are told of each change.
 """
 
 import asyncio
@@ -104,8 +104,8 @@ def joint_positions(robot, seed=0):
 
 @pytest.fixture
 def meshed(tmp_path):
-    """INDUSTRIAL6 with a mesh whose name needs an escape, one that is missing, and a finger whose joint
-    isn't an axis.
+    """Return INDUSTRIAL6 with a mesh whose name needs an escape, a missing mesh, and a finger whose joint
+    isn't an axis of the robot.
     """
     folder = tmp_path / "with meshes"
     shutil.copytree(robot_of("INDUSTRIAL6").folder, folder)
@@ -223,7 +223,7 @@ def test_a_robot_that_has_changed_is_not_described_as_the_one_that_is_served(mes
         "xyz", "1 2 3"
     )
     root.write(path)
-    with pytest.raises(Trouble, match="has changed since it is served"):
+    with pytest.raises(Trouble, match="has changed since it was served"):
         model_described(meshed)
     path.write_text("<robot")
     with pytest.raises(Trouble, match="can't be read"):
@@ -265,12 +265,12 @@ def test_the_scene_is_the_cell(tmp_path):
     assert cup.mesh.startswith("file:///")
     assert cup.mesh.endswith("a%20cup.stl")
     assert cup.scale == (0.001, 0.001, 0.001)
-    # the border contains the point that the cell names, and its z axis is the normal
+    # The border contains the point in the cell's file, and its z axis is the normal.
     plane = np.array(found["FLOOR"].pose)
     np.testing.assert_allclose(plane[:3, 2], [0.0, 0.6, 0.8], atol=1e-9)
     assert (np.array([0.0, 0.0, -5.0]) - plane[:3, 3]) @ plane[:3, 2] == pytest.approx(0.0, abs=1e-8)
     assert np.linalg.det(plane) == pytest.approx(1.0)
-    assert told.notes == ("the zone ELBOW_UP is a window of the joints, which has no place to be shown",)
+    assert told.notes == ("the zone ELBOW_UP is a window of joint positions, which can't be drawn",)
 
 
 def test_what_cant_be_shown_is_said_and_the_number_is_bounded(tmp_path, monkeypatch):
@@ -329,7 +329,8 @@ def test_who_watches_hears_of_each_change(tmp_path):
             assert "FLOOR" in items
             (tmp_path / "cell.toml").write_text("[[obstacles")
             items, _ = await scene()
-            assert "FLOOR" in items  # what motions kept to before
+            # a file that can't be read: the last valid cell is shown, which motions still respect
+            assert "FLOOR" in items
 
     run(watched())
 
@@ -365,7 +366,7 @@ def test_parts_go_with_the_gripper_while_a_program_runs(tmp_path):
             assert all(carried[first:last])
             np.testing.assert_allclose(seen[0][1][:3, 3], [0.3, 0.85, 0.65], atol=1e-9)
             np.testing.assert_allclose(seen[last][1][:3, 3], [-0.25, 0.9, 0.7], atol=1e-4)
-            # while the program ran it was computed, afterwards the coordinator knows it
+            # The place was computed during the program. Afterwards the coordinator reports the same place.
             np.testing.assert_allclose(seen[last][1], seen[-1][1], atol=1e-4)
             assert seen[-1][0] is False
             (kept,) = (await watcher.ask(orders.AskParts(cell=str(tmp_path / "cell.toml")))).parts

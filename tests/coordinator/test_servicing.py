@@ -1,5 +1,5 @@
-"""A controller that isn't ready: the coordinator is there, nothing moves, and motors are enabled and
-homed, settings compared and sent.
+"""Tests of a controller that isn't ready: the coordinator runs, nothing moves, motors are enabled and homed,
+and settings are compared and sent.
 """
 
 import asyncio
@@ -22,7 +22,7 @@ J1 = 25532.8278
 
 
 def trial(work, prepare=lambda world: None, **options):
-    """Carry out work with a patient coordinator and an owner at a controller that was prepared."""
+    """Run a test with a patient coordinator, its owner, and a controller that `prepare` has changed."""
 
     async def whole():
         world = World(**options)
@@ -47,7 +47,7 @@ def killed(*motors):
 
 
 def unhomed(*motors, at=2.0):
-    """Motors that aren't homed, and stand `at` [counts] off their flags."""
+    """Return a function that makes motors unhomed, each `at` [counts] away from its home flag."""
 
     def prepare(world):
         for motor in motors:
@@ -62,7 +62,7 @@ async def asked(here, order):
 
 
 async def held(here, order, seconds):
-    """Hold an order for a time; return the task that carries it out."""
+    """Send an order and confirm it for a time. Return the task that waits for its reply."""
     task = asyncio.ensure_future(here.ask(order))
     until = asyncio.get_running_loop().time() + seconds
     while asyncio.get_running_loop().time() < until and not task.done():
@@ -72,7 +72,7 @@ async def held(here, order, seconds):
 
 
 async def ended(task):
-    """Return what came of a task: a reply, or the trouble that the connection was lost."""
+    """Return the reply of a task, or the error that the connection was lost."""
     try:
         return await asyncio.wait_for(task, 10.0)
     except Trouble as trouble:
@@ -119,7 +119,7 @@ def test_a_motor_that_runs_away_as_its_loop_closes_is_told_and_the_rest_stays_op
 
         def slips(time):
             close(time)
-            motor.disturbance = 7000.0  # 0.27 deg: the encoder slips
+            motor.disturbance = 7000.0  # 0.27 deg, as if the encoder had slipped
 
         motor.close = slips
         told = await asked(here, orders.Enable())
@@ -175,7 +175,7 @@ def test_disabled_it_is_a_fault_until_it_is_enabled():
     trial(work)
 
 
-# homing
+# homing searches
 
 
 def test_a_search_goes_on_as_long_as_it_is_held():
@@ -215,7 +215,7 @@ def test_several_are_homed_in_their_order():
 
 @pytest.mark.parametrize("how", ["let go", "stop", "abort", "hold", "other", "leave", "unplug", "slow"])
 def test_what_ends_a_search(how):
-    """Whatever becomes of whoever holds it, the motor rests within a moment, and it isn't ready."""
+    """However the client that holds the button fails, the motor comes to rest at once, and isn't ready."""
 
     async def work(world, coordinator, here):
         task = await held(here, orders.Home(motors=(1,)), 2.0)
@@ -254,12 +254,12 @@ def test_what_ends_a_search(how):
 
 
 def test_nobody_lives_who_could_stop_a_search():
-    """The computer is dead, and its connection with it: the controller's own PLC stops the motor."""
+    """If the computer and its connection are dead, the controller's own PLC stops the motor."""
 
     async def work(world, coordinator, here):
         await held(here, orders.Home(motors=(1,)), 1.0)
         assert world.moving
-        world.unplugged = True  # neither a word nor the end of the connection arrives
+        world.unplugged = True  # no data arrives any more, and the connection isn't closed either
         assert await world.until(lambda: not world.moving, 2.0) < coordinator.engine.operation.silence + 0.2
         assert world.machine.command(HOMING).items == ("2",)
         world.unplug()
@@ -329,7 +329,7 @@ def test_what_is_not_homed(how, monkeypatch):
             case "taken":
                 for line in (f"OPEN PLC {HOMING_PLC} CLEAR", "P1=P1+1", "CLOSE"):
                     machine.command(line)
-                match = "somebody else"
+                match = "has a foreign program"
             case "plcs":
                 machine.command("I5=0")
                 match = "PLC"
@@ -337,7 +337,7 @@ def test_what_is_not_homed(how, monkeypatch):
                 machine.command("I111=16")
                 match = "following error"
             case "never":
-                monkeypatch.setattr(homing, "_RESERVE", 0.1)  # else it is waited for two minutes
+                monkeypatch.setattr(homing, "_RESERVE", 0.1)  # otherwise the wait would take two minutes
                 machine.motors[1].home = lambda time: machine.motors[1].jog(time, 1)
                 machine.command("I113=0")
                 machine.command("I122=0.001")
@@ -349,7 +349,7 @@ def test_what_is_not_homed(how, monkeypatch):
         assert coordinator.state.value == "fault"
         if how == "fatal":
             await asyncio.sleep(1.0)
-            assert not machine.motors[1].closed  # nothing closes the loop of a motor that was killed
+            assert not machine.motors[1].closed  # the loop of a killed motor isn't closed automatically
         if how == "taken":
             assert machine.command(f"LIST PLC {HOMING_PLC}").items[0].startswith("P1=P1+1")
 
@@ -360,7 +360,7 @@ def test_what_is_not_homed(how, monkeypatch):
 
 
 def blank(world):
-    """A controller that was never told about a robot."""
+    """Reset the controller to the state in which it was delivered, without settings of a robot."""
     world.machine.initialise()
     for motor in world.robot.controller.motors:
         world.machine.command(f"I{motor}00=1")
@@ -450,7 +450,7 @@ def test_settings_that_are_not_sent_or_in_part(how):
         assert any("PLC 0" in one for one in (await asked(here, orders.Look())).wrong)
         with pytest.raises(Trouble, match="fault"):
             await done(here.client, "MOVEJ 10 0 0 0 0 0 [2] (deg,s)")
-        # sent once more it is whole
+        # When the settings are sent again, they are complete.
         sent = await asked(here, send)
         assert sent.sent == sent.of
         assert (await asked(here, orders.Enable())).wrong == ()
@@ -469,7 +469,7 @@ def test_two_people_send_at_once():
     trial(work)
 
 
-# the link
+# the connection
 
 
 def test_a_controller_that_isnt_there_yet_is_waited_for():
@@ -492,7 +492,7 @@ def test_a_controller_that_isnt_there_yet_is_waited_for():
             await asked(here, orders.Connect())
             assert coordinator.state.value == "stop"
             assert (await here.ask(orders.AskHealth())).link == ""
-            await asked(here, orders.Connect())  # there it is
+            await asked(here, orders.Connect())  # does nothing, since there is a connection
 
     run(whole())
 

@@ -1,9 +1,9 @@
-"""Sessions by chance: any order of commands, stops, faults and disconnects, by two clients, in the process
-and over its socket, against the simulator in virtual time.
+"""Random sessions: two clients send commands, stops, faults and disconnects in any order, in the process and
+over its socket, against the simulator in virtual time.
 
-What holds for all of them: nothing is streamed that wasn't certified, no joint is ever beyond a limit, and
-after a stop the robot is at rest within the time that physics allows. The same sessions are looked at each
-time; `YARCLANG_RANDOM_SESSIONS=1000` looks at so many others, for a night.
+In each session, only certified lines are streamed, no joint is ever beyond a limit, and after a stop the
+robot rests as soon as physics allows. The same sessions are tested each time. `YARCLANG_RANDOM_SESSIONS=1000`
+tests that many other sessions, for a night.
 """
 
 import asyncio
@@ -39,7 +39,7 @@ SESSIONS = int(os.environ.get("YARCLANG_RANDOM_SESSIONS", "40"))
 
 START = [0.0, 10.0, 10.0, 0.0, 40.0, 0.0]
 REPLY = 0.05
-"""A stop is on the wire after the reply that is awaited, at most so much later [s]."""
+"""Longest delay of a stop [s]: it is sent after the reply that is awaited."""
 
 JOINTS = st.lists(st.integers(-12, 12), min_size=6, max_size=6)
 LINES = st.one_of(
@@ -71,15 +71,17 @@ FLOORS = {
     "stops and aborts of what moves": 0.0,
     "faults cleared": 0.0,
 }
-"""What a run of sessions must have done, as shares of what was wanted; after a fault or a stop much is
-refused.
+"""Smallest shares of the requested actions that must really have happened in all sessions together. After a
+fault or a stop, many actions are refused.
 """
 SPEEDS = st.lists(st.floats(-0.6, 0.6), min_size=6, max_size=6)
 
 
 @contextmanager
 def certified_lines():
-    """All lines of certified programs that are performed, and all that the judge of live motions admits."""
+    """Yield the set of all certified lines: those of programs, and those that the judge of live motions has
+    admitted.
+    """
     known = set()
     given, admit = scripts.SCRIPTS, Judge.admit
 
@@ -108,10 +110,10 @@ def certified_lines():
 
 
 class Sessions(RuleBasedStateMachine):
-    """Two clients of one coordinator."""
+    """Random actions of two clients of one coordinator."""
 
     tally = Tally()
-    """Of all sessions together: what was wanted, and what was really done."""
+    """Counts over all sessions: requested actions, and actions that really happened."""
 
     def __init__(self):
         super().__init__()
@@ -124,9 +126,7 @@ class Sessions(RuleBasedStateMachine):
 
     @initialize(moves=st.booleans())
     def begin(self, moves):
-        """Half of the sessions begin in motion: else few are left in which something moves that is
-        stopped.
-        """
+        """Begin a session, half of them in motion. Otherwise too few sessions would stop a moving robot."""
         self.do(self._begin())
         if moves:
             self.line("MOVEJ 20 20 15 0 50 10 [20%] (deg,s)", 0.4)
@@ -173,7 +173,7 @@ class Sessions(RuleBasedStateMachine):
     def state(self):
         return self.coordinator.state
 
-    # what people do
+    # actions of the owner
 
     @rule(text=LINES, wait=st.sampled_from([0.0, 0.02, 0.1, 0.5, 3.0]))
     def line(self, text, wait):
@@ -210,7 +210,7 @@ class Sessions(RuleBasedStateMachine):
             self.wait(wait)
 
     @precondition(lambda self: not self.busy and self.state is State.STOP)
-    @rule(joints=JOINTS, wait=st.sampled_from([0.02, 0.1, 0.5]))
+    @rule(joints=JOINTS, wait=st.sampled_from([0.02, 0.1, 0.5, 3.0]))
     def motion(self, joints, wait):
         self.line(
             f"MOVEJ {joints[0]} {10 + joints[1]} {10 + joints[2]} 0 {40 + joints[4]} {joints[5]} [40%] "
@@ -270,7 +270,9 @@ class Sessions(RuleBasedStateMachine):
         self.rests_within(2.0 * float((limits.velocity / limits.stop_acceleration).max()) + REPLY)
 
     def rests_within(self, seconds):
-        """It was connected: else the guard PLC rests it, later."""
+        """Check that the robot comes to rest in time, if the controller is connected. Otherwise the guard PLC
+        stops it later.
+        """
         if not self.world.unplugged and self.state is not State.DISCONNECTED and self.connected:
             self.do(self.world.until(lambda: not self.world.moving, within=seconds + 0.01, each=0.002))
 
@@ -295,7 +297,7 @@ class Sessions(RuleBasedStateMachine):
     def time_passes(self, seconds):
         self.wait(seconds)
 
-    # what others do, and what happens
+    # actions of the other client, and events
 
     @rule(what=st.sampled_from(["go", "drive", "own", "override", "resume"]))
     def the_other_wants_to_move_it(self, what):
@@ -315,7 +317,7 @@ class Sessions(RuleBasedStateMachine):
 
         with pytest.raises(Trouble) as refused:
             self.do(wanted())
-        # to plan is for everybody, but not while it moves
+        # Every client may plan, but nothing can be planned during a motion, so `go` may lack its offer.
         assert isinstance(refused.value, NotOwner) or what == "go"
 
     @rule(seconds=st.sampled_from([0.05, 1.5, 4.0]))
@@ -333,7 +335,7 @@ class Sessions(RuleBasedStateMachine):
     @precondition(lambda self: self.state is not State.FAULT)
     @rule(motor=st.integers(1, 6))
     def fault(self, motor):
-        """A motor is killed: the controller stops what runs."""
+        """Kill a motor: the controller stops the running program."""
         self.world.catch_up()
         self.world.machine.command(f"#{motor}K", 9)
         self.wait(0.5)
@@ -356,7 +358,7 @@ class Sessions(RuleBasedStateMachine):
         if hasattr(self, "world") and not self.busy and self.connected:
             assert not self.world.moving
 
-    # what was streamed, and where the robot has been
+    # checks of the streamed lines and of the robot's positions
 
     def judge(self):
         if not hasattr(self, "world"):
@@ -385,7 +387,8 @@ Sessions.TestCase.settings = settings(
     derandomize=not NIGHT,
     suppress_health_check=list(HealthCheck),
     print_blob=True,
-    phases=(Phase.explicit, Phase.reuse, Phase.generate),  # to shrink a session takes longer than to read it
+    # without shrinking: shrinking a session takes longer than reading it
+    phases=(Phase.explicit, Phase.reuse, Phase.generate),
 )
 
 
@@ -397,7 +400,7 @@ class TestSessions(Sessions.TestCase):
 
 
 class Remote:
-    """A client over a socket, with as much of a client's parts as sessions need."""
+    """A client over a socket, with those parts of `Client` that the sessions use."""
 
     def __init__(self, there, coordinator):
         self.there, self.coordinator = there, coordinator
@@ -441,7 +444,7 @@ class Remote:
 
 
 class RemoteDrive:
-    """A live motion over a socket."""
+    """A live motion that is steered over a socket."""
 
     def __init__(self, client):
         self.client = client
@@ -462,7 +465,7 @@ class RemoteDrive:
 
 
 def want_of(target):
-    """What a target is in a message."""
+    """Return a target as a message."""
     degrees = np.rad2deg
     match target:
         case JointVelocity(velocity=velocity):
@@ -474,7 +477,7 @@ def want_of(target):
 
 
 class ServedSessions(Sessions):
-    """The same with two clients over the socket, connections that break, and an owner that changes."""
+    """Random actions of two clients over the socket, with broken connections and changes of the owner."""
 
     async def _begin(self):
         self.world = World(joints=START, record=True)
@@ -531,7 +534,7 @@ class ServedSessions(Sessions):
     @precondition(lambda self: self.busy)
     @rule(before=st.sampled_from([0.0, 0.1, 0.4]), wait=st.sampled_from([0.0, 0.3]))
     def the_owner_is_cut_off(self, before, wait):
-        """Its process dies: the robot comes to rest, and is nobody's."""
+        """The owner's process dies: the robot comes to rest, and has no owner."""
         self.wait(before)
         self.client.there._writer.transport.abort()
         self.tally.count("owners cut off in motion", self.world.moving)
@@ -578,7 +581,7 @@ class TestServedSessions(ServedSessions.TestCase):
     def runTest(self):
         Sessions.tally = ServedSessions.tally = Tally()
         super().runTest()
-        # owners that change seldom have a motion to take back
+        # With frequent changes of the owner, there is rarely a motion to take back.
         floors = {**FLOORS, "owners cut off in motion": 0.05}
         del floors["ways back offered"]
         assert ServedSessions.tally.below(floors) == []

@@ -1,5 +1,5 @@
-"""JPOS and LPOS: where the robot stands is kept under a name, shown as a line of a program, and used only
-once it stands in the text.
+"""Tests of JPOS and LPOS: the robot's position is stored under a name and shown as a line of a program. The
+program uses it only after the line was put into its text.
 """
 
 import numpy as np

@@ -1,5 +1,5 @@
-"""Values from outside: taken while the program waits, all of a message or nothing; what is late, repeated,
-far or nonsense is refused and logged.
+"""Tests of values from outside: they are accepted while the program waits for them, all values of a message
+or none. Late, repeated, too large or malformed values are refused and logged.
 """
 
 import asyncio
@@ -38,7 +38,7 @@ P0050 MOVEJ 0 0 0 0 0 0 [0.5] (deg,s)
 
 
 class Session:
-    """A program under way, and a camera beside it."""
+    """A running program, and a camera that sends values to it."""
 
     def __init__(self, world, coordinator, client, text):
         self.world, self.coordinator, self.client = world, coordinator, client
@@ -97,7 +97,7 @@ def test_a_camera_answers_and_the_program_goes_on():
 
 def test_what_is_wrong_is_refused_with_its_reason_and_logged():
     async def work(it):
-        await it.refused("Y1661", "no WAIT or HOLD of the program takes values now", seen=1, x=1)
+        await it.refused("Y1661", "no WAIT or HOLD of the program accepts values now", seen=1, x=1)
         await it.asked()
         await it.refused("Y1662", "X can't be 101: it is an integer from -100 to 100", seen=1, x=101)
         await it.refused("Y1662", "SEEN can't be -1", seen=-1, x=1)
@@ -113,9 +113,9 @@ def test_what_is_wrong_is_refused_with_its_reason_and_logged():
         await it.refused("Y1661", "question 7 isn't open any more", 7, seen=1, x=1)
         assert it.coordinator.state is State.HOLD
         await it.fill(1, seen=2, x=-99)
-        await it.refused("Y1661", "too early, too late or again", 1, seen=2, x=-99)
+        await it.refused("Y1661", "too early, too late or twice", 1, seen=2, x=-99)
         assert (await it.ended()).well
-        await it.refused("Y1661", "too early, too late or again", 1, seen=2, x=-99)
+        await it.refused("Y1661", "too early, too late or twice", 1, seen=2, x=-99)
         told = it.told()
         assert "values of camera are refused: X can't be 101: it is an integer from -100 to 100" in told
         assert "P0040 SAY: seen 2 at -99" in told
@@ -162,7 +162,7 @@ def test_values_that_do_not_end_the_wait_are_asked_for_again_and_do_not_lengthen
 
 
 def test_registers_begin_anew_at_each_wait():
-    """What was filled for the first pass doesn't end the wait of the second."""
+    """Values that were sent for the first pass don't end the wait of the second pass."""
     text = """REPEAT 2
   P0020 WAIT SEEN > 0 [2] (s) ELSE
     P0030 SAY "nobody"
@@ -211,7 +211,7 @@ def test_at_a_hold_values_are_taken_and_only_a_person_goes_on():
     async def work(it):
         wanted = await it.asked()
         assert wanted.needed == ()
-        await it.refused("Y1663", "the message has no value")
+        await it.refused("Y1663", "the message contains no values")
         assert await it.fill(wanted.number, x=7) == {"X": 7}
         assert await it.fill((await it.asked()).number, seen=2) == {"SEEN": 2}
         await asyncio.sleep(3.0)
@@ -220,7 +220,7 @@ def test_at_a_hold_values_are_taken_and_only_a_person_goes_on():
         await it.world.until(lambda: it.coordinator.asks is not None)
         await it.refused("Y1663", "'TRIES' isn't filled from outside", TRIES=3)
         await it.fill((await it.asked()).number, x=-7)
-        it.client.motion.resume(99)  # no answer that TRIES can hold
+        it.client.motion.resume(99)  # TRIES can't have this value, so the answer is refused
         await asyncio.sleep(0.5)
         await it.fill((await it.asked()).number, seen=1)
         it.client.motion.resume(4)
@@ -286,15 +286,15 @@ def test_a_flood_of_nonsense_does_not_fill_the_log():
         assert (await it.ended()).well
         lines = [one for one in it.told() if "are refused" in one]
         assert len(lines) <= 7
-        assert any("(1995 others before weren't logged)" in one for one in lines)
+        assert any("(1995 earlier refusals weren't logged)" in one for one in lines)
         assert max(map(len, lines)) < 300
 
     carried_out(ASKS, work)
 
 
 def test_random_cameras_never_get_anything_else_in():
-    """Whatever is sent and whenever: registers hold what was taken, in their ranges, and the ways are
-    those of what they hold.
+    """Whatever is sent at whatever time, registers contain only accepted values within their ranges, and the
+    executed branches follow from these values.
     """
     seen, codes = [], set()
 
@@ -323,7 +323,7 @@ def test_random_cameras_never_get_anything_else_in():
 
     for seed in range(12):
         camera(seed)
-    assert {one > 0 for one in seen} == {True, False}  # some got through in time, and some didn't
+    assert {one > 0 for one in seen} == {True, False}  # some values came in time, others didn't
     assert codes == {"Y1661", "Y1662", "Y1663"}
 
 
@@ -368,7 +368,7 @@ def test_a_message_is_taken_whole_or_not_at_all(tally, values, number):
 
 @pytest.mark.parametrize("number", ["9" * 5000, "9" * 500, "1e999", "-1e999", "NaN", "1e-300"])
 def test_numbers_that_no_register_holds_are_refused(number):
-    """Either the line is no order any more, or its value is none of the register's."""
+    """Such a number makes the line invalid, or its value is refused by the register."""
     asked = read_order(f'{{"order": "fill", "values": {{"A": {number}}}}}\n'.encode())
     if isinstance(asked.what, Denied):
         assert asked.what.error

@@ -1,5 +1,5 @@
-"""The TCP port for values: only with the token, only values, and whatever a caller does, nobody else waits
-for it.
+"""Tests of the TCP port for values: it accepts only callers with the token, and only values. No caller can
+delay others.
 """
 
 import asyncio
@@ -26,8 +26,8 @@ WANTED = Wanted(1, "P0020 WAIT", (("SEEN", 0, 2), ("X", -100, 100)), ("SEEN", "X
 
 
 class Opened:
-    """A door of a coordinator whose program seems to wait for values, in a thread of its own; each message
-    that is taken opens the next question.
+    """A door of a coordinator whose program pretends to wait for values, in a thread of its own. Each
+    accepted message opens the next question.
     """
 
     def __init__(self, robot):
@@ -73,7 +73,7 @@ class Opened:
                 self.operation.asked_for += 1
                 number = WANTED.number + self.operation.asked_for
                 self.operation.want(Wanted(number, WANTED.place, WANTED.registers, WANTED.needed))
-            self._session._tell()  # as it does between two steps of what it carries out
+            self._session._tell()  # a session does this between two steps of its work
 
     @property
     def url(self):
@@ -110,10 +110,10 @@ def test_it_takes_nothing_but_values(opened):
                 camera.ask(order, **({"offer": 1} if order == "go" else {}))
             assert refused.value.error
         with pytest.raises(
-            Refused, match="own isn't for this door, which takes hello, status, listen and fill"
+            Refused, match="own isn't accepted at this port, which accepts hello, status, listen and fill"
         ):
             camera.ask("own")
-        with pytest.raises(Refused, match="isn't for this door"):
+        with pytest.raises(Refused, match="isn't accepted at this port"):
             camera.want(velocity={"J1": 5})
         assert camera.status()["owner"] is None
     assert opened.taken == []
@@ -128,13 +128,13 @@ def test_without_the_token_nothing_is_taken(opened, token):
 
 
 def talk(opened, *lines, patience=3.0):
-    """What is answered to lines, until the door closes or says no more."""
+    """Send lines. Return all replies until the door closes the connection or sends nothing more."""
 
     async def spoken():
         reader, writer = await asyncio.open_connection("127.0.0.1", opened.port)
         for line in lines:
             writer.write(line)
-        with contextlib.suppress(OSError):  # it is closed already
+        with contextlib.suppress(OSError):  # the connection is closed already
             writer.write_eof()
         answers = b""
         with contextlib.suppress(ConnectionError, TimeoutError):
@@ -149,17 +149,17 @@ def talk(opened, *lines, patience=3.0):
 def test_callers_that_speak_something_else_are_sent_away(opened):
     token = json.dumps({"token": opened.token}).encode() + b"\n"
     fill = b'{"order": "fill", "values": {"SEEN": 1, "X": 1}}\n'
-    # what is closed with bytes unread may be reset before its answer is read
+    # If a connection is closed with unread bytes, it may be reset before the client reads the reply.
     assert not any(one["ok"] for one in talk(opened, b"GET / HTTP/1.1\r\n", b"\r\n"))
     assert talk(opened, b'{"order": "status"}\n')[0]["ok"] is False
     assert talk(opened, b"\xff\xfe\n")[0]["ok"] is False
     assert not any(one["ok"] for one in talk(opened, b"[" * 100_000 + b"\n"))
     assert not any(one["ok"] for one in talk(opened, b'{"token": 3}\n', fill))
     (nothing,) = talk(opened, token[:-1]) or [None]
-    assert nothing is None  # half a line
+    assert nothing is None  # no reply to an incomplete line
     said = talk(opened, token, fill)
     assert [one["ok"] for one in said] == [True, False]
-    assert "first who it is" in said[1]["error"]
+    assert "introduce the client first" in said[1]["error"]
     hello = b'{"order": "hello", "version": 1, "name": "eye"}\n'
     said = talk(opened, token, hello, b"POST / HTTP/1.1\r\n", fill)
     assert [one["ok"] for one in said] == [True, True, False]
@@ -184,13 +184,13 @@ def test_silent_callers_cost_a_place_for_a_while(opened):
 
     ends = asyncio.run(crowd())
     assert len(ends) == 30
-    assert sum(b"was said for 0.5 s" in one for one in ends) >= 6
+    assert sum(b"no line was received for 0.5 s" in one for one in ends) >= 6
     assert len(opened.taken) == 1
 
 
 def test_more_than_a_few_with_the_token_are_sent_away(opened):
     cameras = [opened.camera() for _ in range(8)]
-    with pytest.raises(Refused, match="8 connections give values already"):
+    with pytest.raises(Refused, match="8 connections send values already"):
         opened.camera()
     cameras[0].close()
     time.sleep(0.2)

@@ -1,5 +1,5 @@
-"""ON CURTAIN OFF CALL AWAY: at whatever instant the input changes, the robot brakes on its path; when a
-person says so, it goes back along it to where the motion began, and leaves.
+"""Tests of ON CURTAIN OFF CALL AWAY. At whatever instant the input changes, the robot brakes on its path.
+When a user resumes, it moves back along the path to the beginning of the motion, and then leaves by AWAY.
 """
 
 import asyncio
@@ -52,7 +52,7 @@ AWAY = [-30.0, -10.0, 0.0, 0.0, 30.0, 0.0]
 
 
 class Leaving:
-    """A program under way whose curtain opens."""
+    """A running program whose light curtain is interrupted."""
 
     def __init__(self, world, coordinator, client, text, **options):
         self.world, self.coordinator, self.client = world, coordinator, client
@@ -75,7 +75,7 @@ class Leaving:
         await self.world.until(lambda: self.coordinator.state is state)
 
     async def opened(self, after):
-        """Open the curtain so long after the motion has begun, and wait for rest."""
+        """Interrupt the curtain some time after the motion has begun, and wait until the robot rests."""
         await self.state(State.MOVE)
         await asyncio.sleep(after)
         self.say("M11=0")
@@ -101,14 +101,14 @@ def carried_out(work, text=TEXT, options=None, **world):
 
 
 def went_back(it, since, until):
-    """How far off its path the robot was between two times [counts]."""
+    """Return the distances of the robot from its path between two times [counts]."""
     times = np.arange(since, until, 0.01)
     counts = it.world.machine.positions(times, it.world.robot.controller.motors)
     return path_of(it.loaded.plan).distance(counts)
 
 
 def counts(it, angle):
-    """The most counts that a motor goes if each joint goes by an angle [rad]."""
+    """Return the largest number of counts by which a motor moves if each joint moves by an angle [rad]."""
     each = to_counts(it.world.robot, angle * np.eye(6)) - to_counts(it.world.robot, np.zeros(6))
     return np.abs(each).sum(axis=0).max()
 
@@ -116,7 +116,7 @@ def counts(it, angle):
 @exercises(left=0.6, back=0.5)
 @settings(max_examples=12, phases=(Phase.explicit, Phase.generate))
 @given(st.integers(0, 1000), st.floats(0.3, 3.0), st.integers(0, 2**32))
-@example(359, 1.9, 1134)  # the robot passes a SET while it slows down
+@example(359, 1.9, 1134)  # the robot passes a SET while it brakes
 def test_a_curtain_at_any_instant(tally, thousandths, opened, seed):
     async def work(it):
         after = thousandths / 1000 * it.loaded.program.duration
@@ -125,7 +125,7 @@ def test_a_curtain_at_any_instant(tally, thousandths, opened, seed):
         it.say("M11=0")
         for _ in range(int(opened / 0.1)):
             await asyncio.sleep(0.1)
-            it.resume()  # too early: nothing moves
+            it.resume()  # while the curtain is interrupted, resume has no effect
         if it.coordinator.state is State.HOLD:
             await it.world.until(lambda: not it.world.moving)
             since, stood = it.world.machine.now, it.world.stands()
@@ -133,7 +133,7 @@ def test_a_curtain_at_any_instant(tally, thousandths, opened, seed):
             await asyncio.sleep(0.5)
             np.testing.assert_allclose(it.world.stands(), stood, atol=1e-6)
             it.say("M11=1")
-            begun = any("the motion doesn't begin" in one for one in it.told()[-3:])
+            begun = any("the motion isn't started" in one for one in it.told()[-3:])
             it.resume()
             if not begun:
                 await it.world.until(lambda: it.running.done() or it.value("M2") == 1.0)
@@ -144,7 +144,7 @@ def test_a_curtain_at_any_instant(tally, thousandths, opened, seed):
         ended = await it.running
         tally.count("left", bool(ended.what))
         if not ended.well:
-            assert "left by AWAY" in ended.what, ended
+            assert "abandoned by AWAY" in ended.what, ended
             assert it.world.stands() == pytest.approx(AWAY, abs=1e-3)
             assert it.coordinator.state is State.STOP
         assert (it.value("M1"), it.value("M2")) == (0.0, 0.0)
@@ -163,28 +163,28 @@ def test_while_the_input_is_open_nothing_moves_and_a_stop_ends_it():
         ended = await it.running
         assert (ended.well, ended.what) == (False, "stopped on its path")
         np.testing.assert_allclose(it.world.stands(), stood, atol=1e-6)
-        assert any("it stays held: CURTAIN (M11) is OFF" in one for one in it.told())
+        assert any("the hold continues: CURTAIN (M11) is OFF" in one for one in it.told())
 
     carried_out(work)
 
 
 def test_a_way_that_is_held_again_and_goes_on():
-    """On the way back and out the curtain holds, and leads nowhere else."""
+    """During the retreat, the curtain holds the robot again, but leads to no other retreat."""
 
     async def work(it):
         await it.opened(1.0)
         it.say("M11=1")
         it.resume()
-        for _ in range(2):  # on the way back, and on the way out
+        for _ in range(2):  # once on the path back, and once on the way out
             await it.opened(0.4)
             it.say("M11=1")
             it.resume()
             await it.state(State.MOVE)
             await asyncio.sleep(2.0)
         ended = await it.running
-        assert "left by AWAY" in ended.what
+        assert "abandoned by AWAY" in ended.what
         assert it.world.stands() == pytest.approx(AWAY, abs=1e-3)
-        assert sum("leads back to where" in one for one in it.told()) == 1
+        assert sum("retreat along the path" in one for one in it.told()) == 1
 
     carried_out(work)
 
@@ -204,7 +204,7 @@ def test_an_order_on_the_way(order, after):
             it.resume()
         ended = await it.running
         assert not ended.well
-        assert ("left by AWAY" in ended.what) == (order == "hold"), ended
+        assert ("abandoned by AWAY" in ended.what) == (order == "hold"), ended
 
     carried_out(work)
 
@@ -231,7 +231,7 @@ def test_steps_and_passes_end_with_the_way_out():
         it.say("M11=1")
         it.resume()
         ended = await it.running
-        assert "left by AWAY" in ended.what
+        assert "abandoned by AWAY" in ended.what
         assert it.world.stands() == pytest.approx(AWAY, abs=1e-3)
 
     carried_out(work, options={"times": 3})
@@ -244,7 +244,10 @@ def test_a_way_back_that_fails_leaves_the_robot_where_it_stands(monkeypatch):
         it.resume()
         ended = await it.running
         assert (ended.well, ended.code) == (False, "Y1638")
-        assert "can't leave by AWAY: the way back" in ended.what
+        assert (
+            "can't retreat by AWAY: the robot can't move back to the start of P0010 MOVEJ: it breaks a limit"
+            in ended.what
+        )
         np.testing.assert_allclose(it.world.stands(), stood[1], atol=1e-6)
         assert it.coordinator.state is State.FAULT
 
@@ -254,7 +257,7 @@ def test_a_way_back_that_fails_leaves_the_robot_where_it_stands(monkeypatch):
 
 @pytest.mark.parametrize(("place", "after"), [("P0120", 0.3), ("P0150", 0.0), ("P0160", 1.0), ("P0190", 0.5)])
 def test_the_example_leaves_from_anywhere(place, after):
-    """Along the rim all lines are one motion without a stop: the robot goes back along all of it."""
+    """Along the rim, all lines form one motion without a stop. So the robot goes back along all of them."""
 
     async def work(it):
         command = next(one for one in it.loaded.program.commands if one.index == place)
@@ -274,7 +277,7 @@ def test_the_example_leaves_from_anywhere(place, after):
         await it.world.until(lambda: it.value("M2") == 1.0)
         assert went_back(it, stopped, it.world.machine.now - 0.1) < counts(it, 1e-4) + 1.0
         ended = await it.running
-        assert "left by LEAVE" in ended.what, ended
+        assert "abandoned by LEAVE" in ended.what, ended
         assert it.world.stands() == pytest.approx([-60.0, 0.0, -30.0, 0.0, 60.0, 0.0], abs=1e-3)
         assert it.value("M1") == 0.0
         assert it.world.machine.now - since < 90.0
@@ -282,7 +285,7 @@ def test_the_example_leaves_from_anywhere(place, after):
     text = (EXAMPLES / "28_curtain_with_return.yarc").read_text()
     carried_out(
         work, re.sub(r"^START .*\n", "", text, flags=re.MULTILINE), record=True
-    )  # this robot stands in HOME
+    )  # without START, because this robot stands at HOME
 
 
 @pytest.mark.parametrize("known", [True, False])
@@ -302,7 +305,7 @@ def test_a_controller_text_leaves_only_if_its_program_is_there(tmp_path, known):
         it.resume()
         ended = await it.running
         if known:
-            assert "left by AWAY" in ended.what
+            assert "abandoned by AWAY" in ended.what
             assert it.world.stands() == pytest.approx(AWAY, abs=1e-3)
         else:
             assert (ended.well, ended.code) == (False, "Y1638")
@@ -366,7 +369,7 @@ def test_it_leaves(name):
         await it.world.until(lambda: it.running.done() or it.value("M2") == 1.0)
         assert went_back(it, stopped, it.world.machine.now - 0.1) < counts(it, 1e-4) + 1.0
         ended = await it.running
-        assert "left by AWAY" in ended.what, ended
+        assert "abandoned by AWAY" in ended.what, ended
         assert it.world.stands() == pytest.approx(AWAY, abs=1e-3)
 
     carried_out(work, HEAD + lines, record=True)
@@ -387,7 +390,7 @@ def test_a_program_that_begins_within():
         it.say("M11=1")
         it.resume()
         ended = await it.running
-        assert "left by AWAY" in ended.what
+        assert "abandoned by AWAY" in ended.what
         assert it.world.stands() == pytest.approx(AWAY, abs=1e-3)
 
     lines = "P0010 MOVEJ 10 0 0 0 30 0 [1]\nP0020 MOVEJ 0 0 0 0 0 0 [1]\nP0030 MOVEJ 30 0 0 0 30 0 [3]\n"

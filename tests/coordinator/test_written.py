@@ -1,4 +1,4 @@
-"""Events as lines: written once, for however many clients."""
+"""Test that an event is encoded only once, for any number of clients."""
 
 from yarclang.coordinator import serving
 from yarclang.coordinator.messages.events import Told

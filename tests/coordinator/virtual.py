@@ -1,5 +1,5 @@
-"""A coordinator and the simulator in virtual time: an event loop whose clock jumps to what comes next, and
-a wire without a socket.
+"""Fixtures: a coordinator and the simulator in virtual time, with an event loop whose clock jumps to the next
+event, and a connection without a socket.
 """
 
 import asyncio
@@ -22,14 +22,14 @@ from yarclang.simulator.commissioning import stand
 from yarclang.simulator.network.ethernet import PacketReader, Station
 
 SPY = 9
-"""A port of the machine that nobody else uses."""
+"""Port of the machine that only the tests use."""
 
 PATIENCE = 5.0
-"""The time goes on although a thread still works after so long [s of the real clock]."""
+"""Real time after which virtual time continues although a thread is still working [s]."""
 
 
 class _Selector(selectors.SelectSelector):
-    """Never waits but for threads: the time goes on instead."""
+    """Selector that waits only for threads. Instead of waiting for a time, it advances virtual time."""
 
     loop = None
 
@@ -45,7 +45,7 @@ class _Selector(selectors.SelectSelector):
 
 
 class VirtualLoop(asyncio.SelectorEventLoop):
-    """An event loop in virtual time [s]: what threads do takes none, however busy the computer is."""
+    """Event loop in virtual time. Work of threads takes no virtual time, however busy the computer is."""
 
     def __init__(self):
         selector = _Selector()
@@ -62,7 +62,7 @@ class VirtualLoop(asyncio.SelectorEventLoop):
         return work
 
     def works(self):
-        """True while a thread works on something that isn't meant to last."""
+        """True while a thread has been working for less than `PATIENCE`."""
         since = time.monotonic() - PATIENCE
         return any(began > since for began in self._works.values())
 
@@ -71,13 +71,13 @@ class VirtualLoop(asyncio.SelectorEventLoop):
 
 
 def run(coroutine):
-    """Run in virtual time; nothing may be left behind."""
+    """Run a coroutine in virtual time, and return its result."""
     with asyncio.Runner(loop_factory=VirtualLoop) as runner:
         return runner.run(coroutine)
 
 
 class VirtualWire:
-    """A connection to a machine; a reply takes as long as the world says."""
+    """A connection to the simulated machine. The world determines how long a reply takes."""
 
     def __init__(self, world):
         self.arrived = asyncio.Event()
@@ -124,12 +124,12 @@ class VirtualWire:
 
 
 class World:
-    """A machine that a coordinator owns.
+    """A simulated machine for a coordinator.
 
     Attributes:
         machine: the simulator.
-        unplugged: whether the cable is out.
-        lines: what was asked and written, with the time.
+        unplugged: True while the cable is unplugged.
+        lines: all requests and written lines, with their times.
     """
 
     def __init__(self, robot="INDUSTRIAL6", joints=None, delay=0.0005, seed=0, record=False):
@@ -151,7 +151,7 @@ class World:
         return VirtualWire(self)
 
     def unplug(self):
-        """Take the cable out: connections end."""
+        """Unplug the cable: all connections end."""
         self.unplugged = True
         for wire in self.wires:
             wire.close()
@@ -161,7 +161,7 @@ class World:
         self.unplugged = False
 
     def catch_up(self):
-        """The machine's time is the loop's."""
+        """Advance the machine to the event loop's time."""
         passed = self._loop.time() - self._since - self.machine.now
         if passed > 0.0:
             self.machine.advance(passed)
@@ -170,20 +170,20 @@ class World:
         self.lines.append((self.machine.now, packet.code, packet.data.decode("ascii", "replace")))
 
     def stands(self):
-        """Commanded joints [axis units]."""
+        """Return the commanded joint positions [axis units]."""
         self.catch_up()
         counts = self.machine.positions(motors=self.robot.controller.motors)
         return from_counts(self.robot, counts) / self.robot.axis_units
 
     @property
     def moving(self):
-        """Whether a motor has a desired velocity."""
+        """Return True if a motor has a desired velocity other than zero."""
         self.catch_up()
         words = self.machine.control(2, SPY).items[0].split()
         return not all(int(word, 16) >> 24 & (1 << 13 | 1 << 18) for word in words)
 
     async def until(self, condition, within=60.0, each=0.005):
-        """Wait until something is so; how long it took [s]."""
+        """Wait until a condition holds. Return how long this took [s]."""
         loop = asyncio.get_running_loop()
         since = loop.time()
         while not condition():
@@ -198,13 +198,13 @@ def _robot(name):
 
 
 async def planned_here(function, *arguments):
-    """Planning takes no time in virtual time, and no thread."""
+    """Plan without a thread, which takes no virtual time."""
     return function(*arguments)
 
 
 @contextlib.asynccontextmanager
 async def coordinating(*, folder=Path(), log=NO_LOG, world=None, patient=False, **options):
-    """A coordinator at work, an owner, and its world."""
+    """Yield the world, a running coordinator, and the client that owns the robot."""
     world = world or World(**options)
     session = OrderedSession("sim", 1025, connector=world.connect)
     coordinator = Coordinator(
@@ -217,7 +217,7 @@ async def coordinating(*, folder=Path(), log=NO_LOG, world=None, patient=False, 
 
 
 async def done(client, text):
-    """Offer and go; it must be well."""
+    """Offer a text and carry the offer out. It must end well."""
     made = await client.motion.offer(text)
     assert made.value is not None, made.diagnostics
     ended = await client.motion.go(made.value)

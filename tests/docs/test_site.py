@@ -1,4 +1,4 @@
-"""The documentation site is built strictly, whole, and loads nothing from elsewhere."""
+"""Tests of the documentation site: it is built strictly and as a whole, and needs no other site."""
 
 import itertools
 import json
@@ -19,7 +19,7 @@ ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "docs" / "site"
 _FENCED = re.compile(r"^( *)```.*?^\1```$", re.DOTALL | re.MULTILINE)
 _SEPARATOR = re.compile(r"^ *\|(?: *:?-+:? *\|)+$", re.MULTILINE)
-"""The line between the head of a table and its rows."""
+"""The line between a table's head and its rows."""
 _ELSEWHERE = re.compile(r"(?:https?:)?//", re.IGNORECASE)
 _LOADED = {
     "script": "src",
@@ -34,7 +34,7 @@ _LOADED = {
 
 
 class Seen(HTMLParser):
-    """What a page loads, its tables, its blocks of code by their language, and its text outside of code."""
+    """The files that a page loads, its tables, its blocks of code by language, and its other text."""
 
     def __init__(self, text):
         super().__init__()
@@ -111,7 +111,7 @@ def pages(site):
 
 @contextmanager
 def served(folder):
-    """The site on a port, and what was asked of it."""
+    """Serve the site on a free port, and yield its address."""
     asked = []
 
     class Handler(SimpleHTTPRequestHandler):
@@ -174,7 +174,7 @@ def test_nothing_loads_from_elsewhere(site, pages):
         text = style.read_text(encoding="utf-8")
         assert not re.search(r"@import", text), style
         assert not re.search(r"url\(['\"]?(?:https?:)?//", text), style
-    # the theme's scripts fetch a library if a page has a diagram for it
+    # in a page with a diagram, the theme's scripts would load a library from another site
     assert not [name for name in pages if 'mermaid"' in (site / name).read_text(encoding="utf-8")]
 
 
@@ -206,7 +206,7 @@ def test_every_page_can_be_searched(site, pages):
     "page", sorted(path.relative_to(ROOT / "docs").as_posix() for path in (ROOT / "docs").rglob("*.md"))
 )
 def test_tables_and_blocks_arrive_whole(pages, page):
-    """Python-Markdown wants more than GitHub: a table or a block that it doesn't see is shown as text."""
+    """A table or block that GitHub understands, but Python-Markdown doesn't, would appear as plain text."""
     text = (ROOT / "docs" / page).read_text(encoding="utf-8")
     seen = pages[page.replace(".md", ".html")]
     plain = _FENCED.sub("", text)
@@ -317,7 +317,7 @@ def test_lists_are_indented_for_python_markdown(makers, text, expected):
 
 
 def test_a_broken_link_fails_the_build(tmp_path):
-    """The build is strict: a link that leads nowhere, and an anchor that isn't there."""
+    """The strict build fails for a link to a missing page and for a missing anchor."""
     docs = tmp_path / "docs"
     docs.mkdir()
     (docs / "index.md").write_text("# One\n\n[two](two.md) and [here](#nowhere)\n", encoding="utf-8")

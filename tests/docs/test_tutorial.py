@@ -1,7 +1,7 @@
-"""The tutorial and the chapter on commissioning are done as they stand: files are written, commands are run
-in the order of the pages, and their output is compared.
+"""Tests of the tutorial and the chapter on commissioning: their files are written, their commands are run in
+the order of the pages, and the output is compared.
 
-`pytest tests/docs/test_tutorial.py --rewrite-golden` puts the output of today into the pages.
+`pytest tests/docs/test_tutorial.py --rewrite-golden` writes the present output into the pages.
 """
 
 import os
@@ -21,15 +21,15 @@ CHAPTERS = {
     "tutorial": ["first-program", "pick-and-place", "your-arm", "teach", "run", "find-a-fault"],
     "commissioning": ["network", "guard"],
 }
-"""Pages of each chapter that show commands, in their order: what one makes, the next ones use."""
+"""Pages of each chapter that show commands, in order: later ones use files that earlier ones make."""
 SAID = {
     "yarc view": r"http://127\.0\.0\.1:\d+",
     "yarc pendant": r"http://127\.0\.0\.1:\d+",
     "yarc sim": r"127\.0\.0\.1:\d+",
 }
-"""Commands that go on until Ctrl-C, and what they say when they serve."""
+"""Commands that run until Ctrl-C, and patterns of the text that they print once they serve."""
 PORT = "127.0.0.1:1025"
-"""The address of the simulator in the pages; the tests take a free port in place of it."""
+"""The simulator's address in the pages; the tests replace it by one with a free port."""
 _BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 _NAME = re.compile(r"[!#] (\S+\.(?:yarc|toml|txt))")
 
@@ -41,7 +41,9 @@ def environment(folder):
 
 @contextmanager
 def served(command, folder, home):
-    """A command that serves, until Ctrl-C: it must say so, and end cleanly."""
+    """Run a command that serves, and end it with Ctrl-C. Check that it reports that it serves, and that it
+    ends cleanly.
+    """
     word = " ".join(command.split()[:2])
     more = {"yarc view": "--no-browser --port 0", "yarc pendant": "--port 0 --data users"}.get(word, "")
     with subprocess.Popen(
@@ -74,7 +76,7 @@ def free_port():
 
 
 def done(text, folder, home):
-    """The page with the output of today."""
+    """Return the page with the present output of its commands."""
     ran = []
     address = f"127.0.0.1:{free_port()}"
     with ExitStack() as serving:

@@ -1,5 +1,5 @@
-"""Programs that the editors' tests need: without them a test is skipped with the reason, or fails where
-they must be there.
+"""Fixtures for programs that the editors' tests need. If one is missing, the test is skipped with the reason,
+or fails in .ci/run.
 """
 
 import os
@@ -12,7 +12,7 @@ EDITORS = Path(__file__).resolve().parents[2] / "editors"
 
 
 def absent(what):
-    """Skip a test; with YARCLANG_REQUIRE_TOOLS=1, as in .ci/run, fail."""
+    """Skip the test, or make it fail if YARCLANG_REQUIRE_TOOLS=1 is set, as in .ci/run."""
     if os.environ.get("YARCLANG_REQUIRE_TOOLS") == "1":
         pytest.fail(f"{what} is missing", pytrace=False)
     pytest.skip(f"{what} is missing")
@@ -20,7 +20,7 @@ def absent(what):
 
 @pytest.fixture(scope="session")
 def tool():
-    """A function: the path of a program, which must be there."""
+    """Return a function that returns the path of a program, which must exist."""
 
     def find(name):
         return shutil.which(name) or absent(name)
@@ -30,7 +30,7 @@ def tool():
 
 @pytest.fixture(scope="session")
 def vscode(tool):
-    """The folder of the extension, with its packages installed."""
+    """Return the folder of the extension, with its npm packages installed."""
     tool("node")
     tool("npm")
     folder = EDITORS / "vscode"

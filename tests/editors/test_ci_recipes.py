@@ -1,4 +1,4 @@
-"""What docs/ci.md tells people to run does what it says, and the hooks do what pre-commit expects of them."""
+"""Tests of the recipes in docs/ci.md and of the hooks for pre-commit: they do what is written there."""
 
 import json
 import re
@@ -39,8 +39,10 @@ def shell(line, folder):
 
 
 def hook(name, folder, *args):
-    """Run a hook as pre-commit does: its entry, the arguments, and the files that match, from the
-    repository's top.
+    """Run a hook as pre-commit does: its entry with the arguments and the matching files, in the repository's
+    top folder.
+
+    Return True if it fails or changes files, or None if no file matches.
     """
     (found,) = (one for one in HOOKS if one["id"] == name)
     files = [path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()]

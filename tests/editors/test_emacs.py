@@ -1,4 +1,4 @@
-"""Emacs itself, in batch, with Eglot: our findings show, and a fix applies."""
+"""Tests in Emacs, in batch mode with Eglot: our findings appear, and a fix can be applied."""
 
 import json
 import os

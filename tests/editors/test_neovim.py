@@ -1,4 +1,4 @@
-"""Neovim itself, without a screen: our findings show, and a fix applies."""
+"""Tests in Neovim, without a screen: our findings appear, and a fix can be applied."""
 
 import json
 import os

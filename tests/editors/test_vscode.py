@@ -1,4 +1,6 @@
-"""The extension for Visual Studio Code: its grammar colours as the Pygments lexer does, and it is built."""
+"""Tests of the extension for Visual Studio Code: its grammar agrees with the Pygments lexer, and the package
+can be built.
+"""
 
 import json
 import random
@@ -37,7 +39,7 @@ SCOPES = {
     Punctuation: "source",
     String.Double: "string.quoted.double",
 }
-"""What the grammar calls the kinds of the lexer."""
+"""Scope names of the grammar for the token types of the lexer."""
 
 
 @pytest.mark.parametrize(("path", "make"), [("GRAMMAR", "grammar"), ("SNIPPETS", "snippets")])
@@ -59,7 +61,7 @@ def test_no_address_is_recorded():
 
 
 def compare(paths, vscode, tool):
-    """Both lexers say the same of some files, line by line."""
+    """Check that the grammar and the lexer give the same tokens for each line of the files."""
     run = subprocess.run(
         [tool("node"), "test/tokens.js", *map(str, paths)],
         cwd=vscode,
@@ -102,7 +104,7 @@ SIGNS = [
 
 
 def test_both_lexers_part_broken_lines_alike(vscode, tool, tmp_path):
-    """What is a comment, a text, a frame or nothing at all doesn't depend on who looks."""
+    """Both lexers agree on what is a comment, a string, a frame or an error, even in broken lines."""
     draw = random.Random(7)
     lines = ["".join(draw.choices(SIGNS, k=draw.randint(1, 8))) for _ in range(3_000)]
     (tmp_path / "a.yarc").write_text("\n".join(["DEFAULT {!TCP} [5] (mm,deg,s) {B}", *lines]))
@@ -124,12 +126,13 @@ def test_a_vsix_is_made(vscode, tool):
         manifest = json.loads(package.read("extension/package.json"))
         bundle = package.read("extension/out/extension.js").decode()
     contributes = manifest["contributes"]
-    assert "snippets" not in contributes  # the server's would stand beside them
+    # the language server offers the snippets; here they would appear twice
+    assert "snippets" not in contributes
     paths = ["snippets/yarc.json", *(one["path"] for one in contributes["grammars"])]
     paths += [one["configuration"] for one in contributes["languages"]] + [manifest["main"]]
     paths += [manifest["icon"], "README.md", "CHANGELOG.md"]
     paths += [step["media"]["markdown"] for walk in contributes["walkthroughs"] for step in walk["steps"]]
-    # the package calls its two pages by small letters
+    # the package has the names of its two pages in lower case
     there = {one.lower() for one in names}
     assert {f"extension/{one.removeprefix('./')}".lower() for one in paths} <= there
     known = {one["command"] for one in contributes["commands"]}

@@ -1,5 +1,5 @@
-"""The package of the ROS nodes: it needs nothing of yarclang where it runs, ROS's own tools read it, and
-nobody's work is written over.
+"""Tests of the exported package of ROS nodes: it runs without yarclang, ROS's own tools read it, and the
+export overwrites no file of the user.
 """
 
 import ast
@@ -74,7 +74,7 @@ def system_python(*arguments):
 
 @pytest.mark.skipif(not os.access(PYTHON, os.X_OK), reason="no Python of the system")
 def test_the_modules_are_alone(package):
-    """Only ROS's own libraries may be missing."""
+    """Only ROS's own libraries may be missing from the package's modules."""
     done = system_python("-c", ALONE, str(package / "lib"))
     assert done.returncode == 0, done.stderr
     missing = {line.split(" ")[1].partition(".")[0] for line in done.stdout.splitlines()}

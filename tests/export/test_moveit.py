@@ -1,4 +1,6 @@
-"""MoveIt's configuration, parsed back: by XML, YAML, Pinocchio's reader of URDF, and our own readers."""
+"""Tests of the exported configuration of MoveIt, read back as XML and YAML, by Pinocchio's reader of URDF,
+and by our own readers.
+"""
 
 import os
 import shutil
@@ -169,7 +171,7 @@ def test_the_urdf_is_the_same_arm(robot, tmp_path):
     whole = pinocchio.neutral(model)
     for name, value in zip(robot.joint_names, q, strict=True):
         joint = model.joints[model.getJointId(name)]
-        if joint.nq == 2:  # continuous
+        if joint.nq == 2:  # a continuous joint, which Pinocchio stores as cosine and sine
             whole[joint.idx_q : joint.idx_q + 2] = np.cos(value), np.sin(value)
         else:
             whole[joint.idx_q] = value
@@ -191,7 +193,7 @@ def test_a_capsule_becomes_bodies_of_the_same_room(tmp_path):
     middle = robot.flange_from_frame["TCP"][:3, 3] + [0, 0, -0.2]
     aside = np.array([0.03, 0.0, 0.0])
     np.testing.assert_allclose(places, [middle, middle - aside, middle + aside], atol=1e-12)
-    # of the links as well
+    # each capsule of a link becomes three bodies, too
     links = {one.get("name"): one for one in root.iter("link")}
     said = ET.parse(robot.folder / robot.urdf).getroot()
     for link in said.iter("link"):
@@ -344,7 +346,7 @@ def test_a_damaged_list_makes_all_files_foreign(there, said):
 def test_folders_that_cannot_be_written(there):
     there.write_text("a file")
     made = run()
-    assert (made.exit_code, "is no folder" in made.stderr) == (1, True)
+    assert (made.exit_code, "isn't a folder" in made.stderr) == (1, True)
     made = run("-o", "/proc/there")
     assert (made.exit_code, "Y0107" in made.stderr) == (1, True)
     made = run("-o", str(there / "inside"))
@@ -353,7 +355,7 @@ def test_folders_that_cannot_be_written(there):
     assert (made.exit_code, "file name too long" in made.stderr) == (1, True)
     odd = there.parent / "odd"
     (odd / "package.xml").mkdir(parents=True)
-    assert "package.xml is no file" in run("-o", str(odd)).stderr
+    assert "package.xml isn't a regular file" in run("-o", str(odd)).stderr
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no such device")  # noqa: PTH110
@@ -367,7 +369,7 @@ def test_a_full_disk_is_told(there, monkeypatch):
 
 
 def test_meshes_with_one_name_have_files_of_their_own(tmp_path):
-    """A mesh beside the robot's folder doesn't take the place of the robot's own one, in either order."""
+    """A mesh outside the robot's folder doesn't replace the robot's own mesh of that name in any order."""
     beside, own = tmp_path / "shared" / "foo.stl", tmp_path / "robot" / "meshes" / "foo.stl"
     for path in (beside, own):
         path.parent.mkdir(parents=True)

@@ -1,5 +1,5 @@
-"""Exported trajectories stay within the tolerance of what the controller executes, held against scipy's
-splines of the text.
+"""Tests of exported trajectories: they stay within the tolerance of the executed path, which scipy's splines
+compute from the controller text.
 """
 
 import io
@@ -42,7 +42,7 @@ def motion(draw):
 
 @st.composite
 def programs(draw):
-    """A program's text, and the steps of the motions of each stretch."""
+    """Draw a program's text, and the steps of the motions of each stretch."""
     lines, stretches, here = [], [], []
     flows = False
     for number in range(draw(st.integers(1, 6))):
@@ -103,8 +103,8 @@ def test_every_driver_stays_within_the_tolerance(drawn, tolerance, straight):
 
 @pytest.mark.parametrize("seed", [7, 19])
 def test_all_kinds_of_motions_at_the_smallest_tolerance(seed, industrial6):
-    """Of seed 7, hulls that were cut at other places than those of the choice exceeded the tolerance by
-    0.05 %.
+    """With seed 7, the tolerance was once exceeded by 0.05 %, because the hulls were cut at other places than
+    in the choice of waypoints.
     """
     text = drawn(Arm.in_folder(industrial6.folder), np.random.default_rng(seed), most=4).text
     _, made, _ = made_of(text, tolerance=1e-6, straight=True)
@@ -113,7 +113,7 @@ def test_all_kinds_of_motions_at_the_smallest_tolerance(seed, industrial6):
 
 
 def test_the_proved_bound_is_near_to_what_happens():
-    """A bound that is far from the truth would cost way-points."""
+    """The proved bound is at least 95 % of the real deviation; a looser one would cost waypoints."""
     text = HEAD + BEGIN + "P0020 DMOVE 50 60 -20 0 0 0 [6]\nP0030 MOVEJ_POLY5 5 -10 -20 0 -60 0 [4]\n"
     program, made, _ = made_of(text, straight=True)
     ((times, places, _),) = executed(program.text, np.radians(np.ones(6)), [[0, 1, 2]])
@@ -124,11 +124,11 @@ def test_the_proved_bound_is_near_to_what_happens():
 
 
 LONGEST = 60
-"""So many candidates are tried for a step."""
+"""Most candidates for the next waypoint that `fewest` tries."""
 
 
 def fewest(made_points, fits):
-    """The number of way-points if each step is as long as it can be, one after the other."""
+    """Return the number of waypoints if each is as far as possible from the one before."""
     at, count = 0, 1
     last = len(made_points.time) - 1
     while at < last:
@@ -218,7 +218,7 @@ def test_outputs_in_motion_have_their_times():
     (put,) = between(made)
     assert (made.size, put.kind, put.before) == (1, "set", 0)
     first, second = (one.curve.duration for one in program.plan.motions[:2])
-    # in the middle of the blend
+    # the output is set in the middle of the blend
     assert put.time == pytest.approx(first + second, abs=2 * program.plan.motions[1].curve.segment)
     of_yaml, of_json = both_texts(made)
     assert f"# during it, {put.time:.6f} s after its start: P0030 SET: set M1 (GRIPPER) to 1" in of_yaml

@@ -1,4 +1,4 @@
-"""Trajectories in tests: exported, and read back by nothing of ours but the text."""
+"""Exports of trajectories in tests, and readers of the exported texts that use no code of yarclang."""
 
 import json
 
@@ -15,7 +15,7 @@ _PARTS = {1: ("secs", "nsecs"), 2: ("sec", "nanosec")}
 
 
 def made_of(text, robot="INDUSTRIAL6", tolerance=1e-4, straight=False, **request):
-    """The compiled program, its export, and its findings."""
+    """Return the compiled program, its export, and the findings of the export."""
     program, found = compiled(text, robot=robot, **request)
     assert program is not None, [one.message for one in found]
     result = exported(program, Wishes(tolerance, straight))
@@ -23,7 +23,7 @@ def made_of(text, robot="INDUSTRIAL6", tolerance=1e-4, straight=False, **request
 
 
 def read_yaml(text, version=2):
-    """Of each trajectory the times [ns], positions, velocities and accelerations."""
+    """Return the times [ns], positions, velocities and accelerations of each trajectory."""
     return [_arrays(one, version) for one in yaml.safe_load_all(text)]
 
 
@@ -41,7 +41,7 @@ def _arrays(message, version):
 
 
 def driven(kind, trajectory, at):
-    """Where a driver that interpolates so is at times `at` [s] (N, n)."""
+    """Return the positions at times `at` [s] (N, n) of a driver with `kind` of interpolation."""
     times, x, v, a = trajectory
     t = times * 1e-9
     at = np.clip(at, 0.0, t[-1])
@@ -53,8 +53,8 @@ def driven(kind, trajectory, at):
 
 
 def executed(text, arm_units, stretches):
-    """Of each stretch, given as the steps of its motions, dense times [s] and positions [rad or m]; and
-    how long it takes.
+    """Return dense times [s] and positions [rad or m] for each stretch, and its duration. A stretch is given
+    as the steps of its motions.
     """
     _, commands = read(text)
     found = []

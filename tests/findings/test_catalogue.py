@@ -1,4 +1,4 @@
-"""Each code is well formed, documented, and its examples show just it."""
+"""Tests of the catalogue: each code is well formed and documented, and its example shows this finding."""
 
 import re
 from pathlib import Path
@@ -12,7 +12,7 @@ from yarclang.pipeline.modules import loader
 LANGUAGE_FAMILIES = {"02", "03", "04", "10"}
 YARC_FAMILIES = {"01", "02", "03", "04", "05", "06", "10", "12"}
 CERTIFIED = {"Y0479", "Y0610"}
-"""Findings of the certificate about a program that is right in all else."""
+"""Codes that only the certificate of an otherwise sound program reports."""
 WITH_EXAMPLE = [
     one for one in CATALOGUE.values() if one.family in YARC_FAMILIES and one.example and one.code != "Y1391"
 ]

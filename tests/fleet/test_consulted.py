@@ -1,4 +1,6 @@
-"""What a check depends on is recorded, all of it, and is enough to do the check elsewhere."""
+"""Tests of recording the inputs of a check: the record is complete, and suffices to repeat the check
+elsewhere.
+"""
 
 import os
 import shutil
@@ -64,7 +66,8 @@ def test_each_file_that_a_check_opens_is_recorded(example, hook):
     strange = [
         one for one in opened if str(one) not in known and not any(one.is_relative_to(here) for here in OURS)
     ]
-    kept = cache_folder()  # by content, which is recorded, and signed with the user's secret
+    # the cache needs no record of its own: its entries are found by recorded content, and are signed
+    kept = cache_folder()
     ours = (secret_file().parent, *([kept.resolve()] if kept is not None else []))
     strange = [one for one in strange if not any(one.is_relative_to(here) for here in ours)]
     assert [one for one in strange if one.suffix != ".pyc"] == []

@@ -1,4 +1,4 @@
-"""The best place is found: in three made-up cells in which it is known, within 5 mm."""
+"""Tests of finding the best place of a frame: in three made-up cells, it is found within 5 mm."""
 
 import json
 from pathlib import Path
@@ -41,9 +41,9 @@ frame = "B"
 xyz = [100, 1300, 1000]
 """
 CELLS = {
-    # between two walls
+    # the largest clearance is in the middle between two walls, at an X of about 30 mm
     "slot": (WALLS, LINES, "X", 0, 80, "clearance"),
-    # away from one wall, as far as the arm reaches
+    # the time is shortest at a Y of about -180 mm, away from both ends of the range
     "reach": (
         WALLS.replace("xyz = [100, 1300, 1000]", "xyz = [330, 1300, 1000]").replace("-140", "-330"),
         LINES.replace("MOVEL 0 60", "MOVEL 0 900"),
@@ -52,7 +52,7 @@ CELLS = {
         -20,
         "time",
     ),
-    # towards the place where the way begins, until a wall is in the way
+    # the largest clearance is at an X of about 60 mm, away from both ends of the range
     "near": (
         WALLS,
         (
@@ -70,7 +70,7 @@ CELLS = {
 
 @pytest.mark.parametrize("name", CELLS)
 def test_a_known_best_is_found_within_5_mm(tmp_path, name):
-    """The best of a scan every 4 mm, which knows nothing of the search."""
+    """The best place of a scan every 4 mm, which doesn't use the search, is the expected one."""
     from yarclang.fleet.placing import Range, find_task, judged
     from yarclang.pipeline.inputs import Options
     from yarclang.source import SourceFile
@@ -144,7 +144,7 @@ def test_a_map_says_why_not(tmp_path):
         (["STPO"], "help: they declare {STOP}"),
         (["TCP"], "{TCP}"),
         (["STOP", "--within", "Q=1:2"], "X=-300:300"),
-        (["STOP", "--within", "X=2:1"], "at most the second"),
+        (["STOP", "--within", "X=2:1"], "must not exceed the second"),
         (["STOP", "--within", "X=1:2", "--within", "x=1:2"], "twice"),
         (["STOP", "--grid", "50"], "more than --most"),
     ],
@@ -193,4 +193,4 @@ def test_a_shift_moves_the_frame_by_what_it_says(tmp_path, seed):
     old, new = (np.linalg.inv(table) @ one.scope.frame("PART").transform for one in (before, after))
     assert new[:3, 3] - old[:3, 3] == pytest.approx(np.array(shift[:3]) * 1e-3, abs=2e-6)
     turn = rpy_rotation(np.radians(shift[3:]))
-    assert new[:3, :3] == pytest.approx(turn @ old[:3, :3], abs=2e-5)  # written to 0.0001 deg
+    assert new[:3, :3] == pytest.approx(turn @ old[:3, :3], abs=2e-5)  # the patch is rounded to 0.0001 deg

@@ -1,6 +1,4 @@
-"""Results are reused while nothing that they depend on has changed, by yarc check and yarcc as people call
-them.
-"""
+"""Tests of reusing results in the commands `yarc check` and `yarcc`, as long as no input has changed."""
 
 import shutil
 import sqlite3

@@ -1,4 +1,6 @@
-"""The workers of a dask scheduler that have no disk of this project: the same bytes, whatever ends."""
+"""Tests of workers of a dask scheduler that can't read the project's disk: their results are the same to the
+byte, even if workers end.
+"""
 
 import json
 import os
@@ -58,7 +60,7 @@ def address(tmp_path_factory):
 
 @pytest.fixture
 def project(tmp_path, monkeypatch):
-    """Programs with modules, cells, a robot of one's own and tables, in folders."""
+    """Return a folder of programs with modules, cells, tables and a robot of the project's own."""
     folder = tmp_path / "project"
     shutil.copytree("examples", folder)
     shutil.copytree("stdlib/robots/industrial6", folder / "ours")
@@ -88,11 +90,13 @@ def test_texts_tables_and_findings_are_the_same_bytes(address, project):
 
 
 def test_checks_and_forms_are_the_same(address, project):
-    for arguments in (["check", ".", "--format", "json"], ["fmt", "--check", "."]):
+    (project / "line" / "wrong.yarc").write_text("P0010 MOVEJ 999 0 0 0 0 0 [1] (deg,s)\nP0010 MOVES\n")
+    for arguments in (["check", "line", "--format", "json"], ["fmt", "--check", "."]):
         here, there = (
             CliRunner().invoke(yarc, [*arguments, *more])
             for more in (["--jobs", "1"], ["--scheduler", address])
         )
+        assert here.exit_code == 1, here.output
         assert (there.exit_code, there.stdout, there.stderr) == (here.exit_code, here.stdout, here.stderr)
 
 
@@ -157,7 +161,7 @@ def test_workers_with_another_installation_are_refused(address, monkeypatch):
     [
         ({"version": "9"}, "yarclang 9"),
         ({"python": "Python 2 on z80"}, "Python 2 on z80"),
-        ({"others": ("numpy-0.1",)}, "here is"),
+        ({"others": ("numpy-0.1",)}, "but this computer has"),
         ({"content": "x"}, "files"),
         ({}, ""),
     ],

@@ -1,4 +1,6 @@
-"""The same work on several processes: in order, whatever they do, and however they end."""
+"""Tests of spreading work over several processes: results come in order, whatever the processes do and
+however they end.
+"""
 
 import os
 import signal
@@ -20,7 +22,7 @@ def squared(number):
 
 
 def fragile(number, folder, *, times=1):
-    """End the process that does number 13, as often as is said."""
+    """End the process that does number 13, the first `times` times."""
     if number == 13:
         done = len(list(Path(folder).iterdir()))
         if done < times:
@@ -101,7 +103,7 @@ def test_ctrl_c_ends_all_processes_without_a_traceback(tmp_path):
     _, errors = process.communicate(timeout=30)
     assert "Traceback" not in errors
     assert process.returncode in (0, 1, 130)
-    until = time.monotonic() + 10.0  # what Python itself started ends a moment later
+    until = time.monotonic() + 10.0  # Python's own helper processes end a moment later
     while _is_there(process.pid) and time.monotonic() < until:
         time.sleep(0.05)
     assert not _is_there(process.pid)

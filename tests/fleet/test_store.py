@@ -1,5 +1,5 @@
-"""The store of results: forged entries, damaged files, full disks, many processes, and processes that are
-killed.
+"""Tests of the store of results: forged entries, damaged files, full disks, many processes, and processes
+that are killed.
 """
 
 import multiprocessing
@@ -120,7 +120,7 @@ def test_a_full_disk_ends_nothing_and_leaves_the_store_whole(store):
     store._base.execute("PRAGMA max_page_count = 12")
     store.put("b", bytes(1_000_000))
     assert "full" in store.trouble
-    store.put("c", b"3")  # no more is tried
+    store.put("c", b"3")  # after a failure, the store tries no more writes
     store.close()
 
 

@@ -1,4 +1,4 @@
-"""Programs in a cell with a feeder, a table and boxes, as the tests of this folder need them."""
+"""Programs in a cell with a feeder, a table and boxes, for the tests of this folder."""
 
 from pathlib import Path
 
@@ -71,6 +71,6 @@ P0090 MOVEJ READY
 
 
 def made(folder: Path, program: str, more: str = "", robot: str = "INDUSTRIAL6", **given):
-    """Compile a program in the cell with other numbers, and with `more` at the end of its file."""
+    """Compile a program in the cell with changed numbers, and with `more` at the end of the cell's file."""
     (folder / "cell.toml").write_text(CELL.format(**{**GIVEN, **given}) + more)
     return Result(*compiled(HEAD + program, robot, load_cell=cell_loader(folder, load_robot(robot).value)))

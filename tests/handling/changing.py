@@ -1,6 +1,4 @@
-"""Programs with the robot, the rack and the cell of the example with a tool changer, as the tests of tools
-need them.
-"""
+"""Programs with the robot, the rack and the cell of the example with a tool changer, for tests of tools."""
 
 from functools import cache
 from pathlib import Path
@@ -31,7 +29,7 @@ def robot():
 
 
 def lines(*parts):
-    """Lines of a program from single ones and lists, with an index where there is none."""
+    """Return lines of a program from single lines and nested lists, with added indices."""
     found = []
     for one in parts:
         found += lines(*one) if isinstance(one, list | tuple) else [one]
@@ -48,13 +46,13 @@ def text_of(*parts):
 
 
 def take(name):
-    """Take a tool from its place."""
+    """Return the lines that take a tool from its place."""
     place = name[0]
     return [OVER % place, IN % place, f"TOOL {name}", OUT % place]
 
 
 def put(name):
-    """Put a tool back into its place."""
+    """Return the lines that put a tool back into its place."""
     place = name[0]
     return [OVER % place, IN % place, "TOOL NONE", OUT % place]
 
@@ -68,7 +66,7 @@ def written(folder, changes):
 
 
 def made(folder, *parts, changes=None, arm=None, plan=False):
-    """Compile a program of parts in the cell, of which texts are changed."""
+    """Compile a program of parts in the cell, with `changes` in the cell's text."""
     written(folder, changes or {})
     arm = arm or robot()
     text = parts[0] if len(parts) == 1 and isinstance(parts[0], str) and "\n" in parts[0] else text_of(*parts)

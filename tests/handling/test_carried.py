@@ -1,5 +1,6 @@
-"""Parts from the cell's file to the finding or the certificate: what a gripper holds is there, what it has
-put down stays, and nothing else is let through.
+"""Tests of parts from the cell's file to the certificate.
+
+A held part moves with the gripper, a released part stays, and any other contact is refused.
 """
 
 import json
@@ -33,7 +34,7 @@ def test_a_part_is_brought_from_place_to_place(tmp_path):
 def test_a_gripper_that_closes_on_nothing_is_told(tmp_path):
     found = made(tmp_path, PICK.replace("0 0 0 0 0 0 [1]", "0 0 60 0 0 0 [1]") + PUT)
     (one,) = told(found, "Y0940")
-    assert "BOX, the nearest part, is 30 mm away, and it reaches 15 mm" in one.message
+    assert "BOX, the nearest part, is 30 mm away, and the gripper's reach is 15 mm" in one.message
     assert all(not one.carries for one in found.value.certificate.commands)
 
 
@@ -48,7 +49,7 @@ def test_a_part_that_is_put_into_something_is_an_error(tmp_path):
     found = made(tmp_path, PICK + PUT.replace("P0060 MOVEL 0 0 0", "P0060 MOVEL 0 0 -12"))
     assert found.value is None
     (one,) = told(found, "Y0942")
-    assert "BOX is put 12 mm into TABLE" in one.message
+    assert "BOX is put down 12 mm deep in TABLE" in one.message
 
 
 def test_a_part_that_is_let_go_in_the_air_is_told(tmp_path):
@@ -78,8 +79,8 @@ def test_what_is_held_is_held_against_the_cell(tmp_path):
     ways = [made(tmp_path, PICK + PUT, post.format(y)) for y in (620, 915)]
     assert [one.value is not None for one in ways] == [True, False]
     messages = " ".join(one.message for one in ways[1].diagnostics)
-    assert re.search(r"(BOX|FINGERS) goes [\d.]+ mm into POST", messages)
-    # a longer box meets what a short one passes
+    assert re.search(r"(BOX|FINGERS) penetrates POST by [\d.]+ mm", messages)
+    # a longer box collides where a shorter one doesn't
     slim = (
         "\n"
         "[[obstacles]]\n"
@@ -94,7 +95,7 @@ def test_what_is_held_is_held_against_the_cell(tmp_path):
         found = made(tmp_path, PICK + PUT, slim, size=size)
         assert (found.value is not None) is is_free
         if not is_free:
-            assert "BOX goes" in " ".join(one.message for one in told(found, "Y0901"))
+            assert "BOX penetrates" in " ".join(one.message for one in told(found, "Y0901"))
 
 
 def test_what_was_put_down_stays_in_the_way(tmp_path):
@@ -116,11 +117,11 @@ def test_the_next_part_comes_when_one_is_taken_away(tmp_path):
     assert found.value is not None
     assert {name for one in found.value.certificate.commands for name in one.carries} == {"BOX 1", "BOX 2"}
     found = made(tmp_path, f"REPEAT 3\n{PICK}{gone}END\n", count=2)
-    assert "all are taken" in " ".join(one.message for one in told(found, "Y0940"))
+    assert "all parts are taken" in " ".join(one.message for one in told(found, "Y0940"))
 
 
 def test_a_part_may_touch_what_it_lies_on_and_not_go_through(tmp_path):
-    """The table has a margin, and the way out leads down."""
+    """A part may touch the table that it lies on, even within the table's margin, but not move into it."""
     margin = "\n"
     assert made(tmp_path, PICK + PUT, margin, margin=8).value is not None
     down = PICK.replace("P0040 MOVEL 0 0 120", "P0040 MOVEL 0 0 -4")
@@ -130,8 +131,9 @@ def test_a_part_may_touch_what_it_lies_on_and_not_go_through(tmp_path):
 
 
 def test_a_gripper_touches_its_part_on_the_way_in_and_out_alone(tmp_path):
-    """Straight on through the box that was just put down: it is no longer the way out once the fingers
-    were clear of the box.
+    """The gripper may touch its part only while it approaches or leaves it.
+
+    A later motion through the released box is refused, because the fingers had already left the box.
     """
     out = PUT.replace(
         "P0090 MOVEJ READY",
@@ -142,7 +144,7 @@ def test_a_gripper_touches_its_part_on_the_way_in_and_out_alone(tmp_path):
     found = made(tmp_path, PICK + out)
     assert found.value is None
     assert {(one.code, one.span.line) for one in found.diagnostics if one.is_error} >= {("Y0901", 14)}
-    # in two steps, the slow one with the fingers around the box
+    # the approach has two motions, and the fingers are around the box in the slow one
     slow = PICK.replace("P0020", "P0015 MOVEL 0 0 20 0 0 0 [1] {FEEDER}\nP0020").replace(
         "P0040", "P0035 MOVEL 0 0 20 0 0 0 [1] {FEEDER}\nP0040"
     )
@@ -159,8 +161,8 @@ def test_after_a_when_both_worlds_are_proved(tmp_path):
 
 
 def test_a_text_is_judged_with_the_parts_where_they_are(tmp_path):
-    """The judge follows the parts by itself: a text that carries a box through a wall is refused, whatever
-    the planner knew.
+    """The judge follows the parts itself, and refuses a text that carries a box through a wall, whatever the
+    planner knew.
     """
     free = made(tmp_path, PICK + PUT)
     wall = (

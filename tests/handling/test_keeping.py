@@ -1,4 +1,4 @@
-"""KEEP: a carried frame stays upright, or above a plane, on the whole way."""
+"""Tests of KEEP: a carried frame stays upright, or above a plane, during the whole motion."""
 
 from itertools import pairwise
 
@@ -33,7 +33,9 @@ def test_the_angle_holds_between_the_ends_too(limit, wrong):
 
 
 def test_a_way_between_two_upright_places_that_tilts_is_refused():
-    """The motion before the KEEP has no rule, and isn't judged by any."""
+    """A motion that tilts between two upright positions is refused. The motion before the KEEP has no rule,
+    and isn't checked.
+    """
     arc = HEAD + (
         "P0010 MOVEJ 0 0 0 0 20 0\n"
         "KEEP {TCP} UPRIGHT 21 (deg)\n"
@@ -106,11 +108,16 @@ def test_forged_maps_are_refused():
     for one in forged:
         judged = certify(one.text, program, robot, robot.tolerance)
         assert judged.value is None or any(each.is_error for each in judged.diagnostics)
-    # the text of a program without the rule isn't that of one with it
-    free = f"{HEAD}P0010 MOVEJ 0 0 0 0 30 0\nP0020 MOVEJ HOME\n"
+    # the commands are the same, but the text without the rule doesn't prove the program with it
+    free = f"{HEAD}\n\nP0010 MOVEJ 0 0 0 0 30 0\nP0020 MOVEJ HOME\n"
     other, _ = compiled(free)
     judged = certify(other.text, program, robot, robot.tolerance)
     assert any(each.is_error for each in judged.diagnostics)
+    told = "P0010 MOVEJ: the program has KEEP {TCP} UPRIGHT 40 (deg) {B} here, and the text doesn't"
+    assert told in [each.message for each in judged.diagnostics]
+    judged = certify(forged[2].text, program, robot, robot.tolerance)
+    told = "P0010 MOVEJ: KEEP {TCP} UPRIGHT 40 (deg) {B} has other numbers in the text than in the program"
+    assert told in [each.message for each in judged.diagnostics]
 
 
 @exercises(kept=0.15, broken=0.15)
@@ -131,7 +138,7 @@ def test_random_ways_are_judged_as_dense_samples_do(tally, ways, limit):
         return
     broken = "Y0955" in codes(found)
     if not broken and (result is None or not result.text):
-        return  # something else is wrong: a collision, a limit
+        return  # the program has another error: a collision or a limit
     assert broken == (angle > np.radians(limit))
     tally.count("kept", not broken)
     tally.count("broken", broken)

@@ -1,6 +1,4 @@
-"""The load that a part is: torques with it are Pinocchio's, whose own formulas give the inertia of its
-shape.
-"""
+"""Tests of the loads of parts: torques with loads and inertias of shapes equal those of Pinocchio."""
 
 from types import SimpleNamespace as Bare
 
@@ -19,7 +17,9 @@ from yarclang.shapes import Box, Cylinder, Sphere
 
 
 class Thing(Bare):
-    """A robot or a cell as far as loads need one; remembered by its identity, as they are."""
+    """A robot or a cell with only the attributes that loads need; hashed by identity, as the real classes
+    are.
+    """
 
     __hash__ = object.__hash__
 

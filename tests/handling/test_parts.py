@@ -1,6 +1,4 @@
-"""Laws of taking and putting down, for any poses: nothing moves while a gripper closes or opens, and
-nothing is lost.
-"""
+"""Tests of taking and releasing parts in any pose: no part moves when a gripper acts, and none is lost."""
 
 from dataclasses import replace
 
@@ -44,7 +42,7 @@ def test_a_part_goes_along_and_stays_where_it_is_left(seed, other, shape):
     held, near = close(before, "M1", GRIP, here, 7)
     assert near.distance == 0.0
     assert [one.name for one in held.held("M1")] == ["BOX"]
-    # at once nothing has moved
+    # directly after the grip, nothing has moved
     assert np.allclose(open_(held, "M1", here).items[0].transform, here, atol=1e-9)
     left = open_(held, "M1", there)
     assert np.allclose(left.items[0].transform, there, atol=1e-9)
@@ -54,7 +52,9 @@ def test_a_part_goes_along_and_stays_where_it_is_left(seed, other, shape):
 
 @given(SEEDS, st.floats(0.0, 0.03), st.sampled_from(SHAPES))
 def test_only_what_is_within_reach_is_taken(seed, away, shape):
-    """A gripper beyond the end of the shape's z axis, by a distance that is known."""
+    """The gripper is at a known distance beyond the end of the shape's z axis, and takes the shape only
+    within its reach.
+    """
     here = pose(seed)
     half = {Box: 0.05, Sphere: 0.03, Cylinder: 0.05, Capsule: 0.045}[type(shape)]
     flange = here.copy()
@@ -96,7 +96,7 @@ def test_parts_come_one_after_the_other():
         assert len(state.items) == step + 1
         state, near = close(state, "M1", GRIP, here, step)
         names.append(near.item.name)
-        assert arrive(state, {step}) == state  # the robot is still on its way out
+        assert arrive(state, {step}) == state  # the robot hasn't left yet, so that no new part arrives
         away = here.copy()
         away[0, 3] = 0.5 + step
         state = open_(arrive(state, ()), "M1", away)

@@ -1,8 +1,8 @@
-"""Boxes that are carried at random: whatever is certified keeps the box clear of everything, by arithmetic
-that shares nothing with the proof.
+"""Tests of random programs that carry boxes: in every certified text, the box doesn't collide.
 
-Regular expressions read the text, scipy's splines execute it, Pinocchio moves the flange, and the corners,
-edges and faces of a box are held against the boxes of the cell by coal, at many instants.
+The check shares nothing with the proof. Regular expressions read the text, scipy's splines execute it, and
+Pinocchio moves the flange. At many instants, coal compares the corners, edges and faces of a box with the
+boxes of the cell.
 """
 
 import coal
@@ -19,14 +19,14 @@ from yarclang.robot.library import stdlib_folder
 
 WALL = '\n[[obstacles]]\nname = "WALL"\nshape = "box"\nframe = "B"\nxyz = [{}, {}, {}]\nsize = [{}, {}, {}]\n'
 PRESSED = 0.6
-"""On the way in and out a box may be pressed this far into what it lies on [mm]."""
+"""Largest depth to which a box may be pressed into its support when taken or released [mm]."""
 DRAWN = 1.0
-"""A box may lie this deep in what it lies on [mm], as drawings aren't exact."""
+"""Largest depth at which a box may lie in its support, because drawings aren't exact [mm]."""
 
 ABSURD = 1e6
-"""No boxes of a cell are so far apart [mm]."""
+"""A distance larger than any between boxes of a cell [mm]."""
 TOUCHING = 0.5
-"""Bodies that are nearer than this to a box that is taken or put carry it [mm]."""
+"""Largest distance at which a body counts as the support of a box that is taken or released [mm]."""
 
 
 def box(size, point, turn=None):
@@ -35,8 +35,9 @@ def box(size, point, turn=None):
 
 
 def gap(one, other):
-    """Signed distance of two boxes [mm]. Of boxes that touch exactly coal may answer -1.8e308: then one is
-    moved by a nanometre.
+    """Return the signed distance of two boxes [mm].
+
+    For boxes that touch exactly, coal may return -1.8e308; then one box is moved by a nanometre.
     """
     request = coal.DistanceRequest()
     request.enable_signed_distance = True
@@ -73,7 +74,7 @@ def test_what_is_certified_is_clear(tmp_path_factory, tally, x, y, z, turn, size
     _, commands = read(found.value.text)
     steps = sorted(commands)
     qs = [commands[step].sample(0) for step in steps]
-    # where the gripper is closed: the box hangs on the tool's frame as it lay then
+    # while it is gripped, the box keeps its pose in the tool's frame
     points, turns = arm.poses(qs[1][-1:])
     feeder = np.array([300.0, 850.0, 650.0])
     held_at, held_turn = turns[0].inv().apply(feeder - points[0]), turns[0].inv()
@@ -90,7 +91,7 @@ def test_what_is_certified_is_clear(tmp_path_factory, tally, x, y, z, turn, size
             box((size, 60, 60), point + at.apply(held_at), (at * held_turn).as_matrix())
             for point, at in zip(points, turns, strict=True)
         ]
-        # what the box touches where it is taken and where it is put is what it lies on, a wall too
+        # the supports of a box are all bodies that it touches where it is taken or released, even a wall
         lies_at = {0: shapes[:1], 2: shapes[-1:]}.get(number, [])
         for name, other in still.items():
             touches = any(gap(shape, other) < TOUCHING for shape in lies_at)

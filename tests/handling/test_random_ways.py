@@ -1,8 +1,7 @@
-"""Programs with WHENs at random between the SETs of a gripper and the motions next to them: on every way that
-can be taken, whatever is certified keeps the box clear.
+"""Tests of random programs with WHENs around a gripper's SETs: no branch of a certified text has a collision.
 
-Regular expressions read the text, scipy's splines execute it, Pinocchio moves the flange, and coal holds the
-box against the boxes of the cell, and against the next one of the feeder from where this can come.
+Regular expressions read the text, scipy's splines execute it, and Pinocchio moves the flange. coal compares
+the box with the boxes of the cell, and with the feeder's next box from the time at which it can come.
 """
 
 from itertools import product
@@ -38,7 +37,7 @@ PLACED = {"x": -250, "y": 900, "z": 700}
 
 
 def ways(lines):
-    """Yield the numbers of the lines that are carried out, for each choice at the WHENs."""
+    """Yield the numbers of the executed lines, for each combination of branches."""
     count = sum(line.startswith("WHEN") for line in lines)
     for chosen in product((True, False), repeat=count):
         left, found, passing = list(chosen), [], [True]
@@ -55,7 +54,7 @@ def ways(lines):
 
 
 def without_starts(text):
-    """The text without what its legs begin with: a way to where the robot stands already."""
+    """Return the text without the RAPIDs at the beginning of its legs, which don't move the robot."""
     lines = text.split("\n")
     begins = [at for at, line in enumerate(lines) if line == "RAPID"]
     for at in begins[1:]:
@@ -126,7 +125,7 @@ def test_every_way_that_is_certified_is_clear(
                 (tip + each.apply(held[0]), each * held[1]) for tip, each in zip(points, turns, strict=True)
             ]
             shapes = [box((size, 60, 60), there, each.as_matrix()) for there, each in poses]
-            # next to a SET the box may touch what it touches there
+            # before and after a SET, the box may touch the bodies that it touches at the SET
             since = [lines[one] for one in way[:place]]
             last = max(at for at, one in enumerate(since) if one == TAKE)
             leads_out = not any(one.startswith("MOVE") for one in since[last:])

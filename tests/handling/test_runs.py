@@ -1,4 +1,6 @@
-"""The ways in and out of grippers through WHENs, and what the parts of a feeder do meanwhile."""
+"""Tests of motions of grippers to parts and away from them through WHENs, while the feeder presents new
+parts.
+"""
 
 import numpy as np
 import pytest
@@ -73,7 +75,9 @@ def test_a_gripper_that_closes_on_one_way_only_has_no_allowance_behind_it(tmp_pa
 
 
 def test_a_robot_that_comes_back_within_a_when_meets_the_next_part(tmp_path):
-    """On the other way it is still there: only who has left finds the place taken."""
+    """In one branch, the robot leaves and comes back, and collides with the feeder's next part. In the other
+    branch it stays, so that the next part can't come.
+    """
     back = UP.replace("P0010", "P0033") + DOWN.replace("P0020", "P0034")
     ways = "WHEN GOOD OFF\n" + LIFT.replace("P0040", "P0031") + "P0032 MOVEJ READY\n" + back + "END\n"
     assert made(tmp_path, UP + DOWN + TAKE + ways + LIFT + PUT, count=1).value is None

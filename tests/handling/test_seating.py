@@ -1,5 +1,5 @@
-"""A part that begins in the air or in something, and a gripper that is deep in its part: most likely a
-frame of the cell.toml is wrong.
+"""Tests of finding wrong places: a part that begins in the air or inside another body, or a gripper deep in
+its part. In all these cases, a frame in the cell.toml is probably wrong.
 """
 
 import pytest
@@ -15,7 +15,7 @@ def told(found, code):
 
 
 def raised(z):
-    """The part's place in the cell: z [mm] above where it should be."""
+    """Return the changed place of the part in the cell, z [mm] above the right one."""
     return f"0\nxyz = [0, 0, {z}]"
 
 
@@ -24,15 +24,13 @@ def test_a_part_that_begins_in_the_air_is_reported_where_it_is_taken(tmp_path):
     (one,) = told(found, "Y0946")
     assert one.severity == "warning"
     assert one.span.line == 6
-    assert (
-        "BOX lies on nothing where the program starts: TRACK, the nearest body, is 12 mm away" in one.message
-    )
+    assert "BOX has no support when the program starts: TRACK, the nearest body, is 12 mm away" in one.message
     assert found.value is not None
 
 
 def test_a_part_that_begins_in_something_is_reported(tmp_path):
     (one,) = told(made(tmp_path, PICK + PUT, margin=raised(-8)), "Y0946")
-    assert "BOX is 8 mm deep in TRACK where the program starts" in one.message
+    assert "BOX is 8 mm deep in TRACK when the program starts" in one.message
 
 
 @pytest.mark.parametrize("z", [-0.9, 0, 4.9])
@@ -58,12 +56,14 @@ def test_fingers_are_around_a_part_and_hardly_beyond_its_middle(tmp_path):
     (one,) = told(found, "Y0947")
     assert one.severity == "note"
     assert one.span.line == 6
-    assert "FINGERS is 44 mm deep in BOX where the gripper closes" in one.message
+    assert "FINGERS is 44 mm deep in BOX when the gripper closes" in one.message
     assert "may be wrong by about 44 mm" in one.help
 
 
 def test_a_cup_lies_on_its_part(tmp_path):
-    """With a sensor of kind vacuum, the same 30 mm are too deep: nothing reaches around the part."""
+    """A cup with a vacuum sensor doesn't reach around its part, so that a depth of 30 mm, which suits
+    fingers, is too deep.
+    """
     (one,) = told(made(tmp_path, PICK + PUT, VACUUM), "Y0947")
     assert "FINGERS is 30 mm deep in BOX" in one.message
     for z, is_reported in ((-26, False), (-24, True)):

@@ -1,4 +1,4 @@
-"""KEEP ... FACING and SEEN: a point stays in the cone of a frame on the whole way."""
+"""Tests of KEEP ... FACING and SEEN: a point stays in the cone of a frame during the whole motion."""
 
 from itertools import pairwise
 from pathlib import Path
@@ -30,7 +30,7 @@ def kept(program):
 
 
 def seen_over(way, sight, count=2000):
-    """The largest angle, the least and the largest distance at dense samples of straight joint motions."""
+    """Return the largest angle and both extreme distances in samples of straight joint motions."""
     robot = robot_of("INDUSTRIAL6")
     dense = np.concatenate([a + np.linspace(0, 1, count)[:, None] * (b - a) for a, b in pairwise(way)])
     poses = tool_poses(robot.chain, dense, robot.flange_from_frame["TCP"])
@@ -51,7 +51,7 @@ def test_random_ways_are_judged_as_dense_samples_do(tally, seed):
     kind, spot = ("FACING", "SEEN")[drawn.integers(2)], drawn.integers(-700, 701, 3).tolist()
     limit, near, far = drawn.integers(20, 170), drawn.integers(1, 700), drawn.integers(1500, 4000)
     lines = "".join(f"  P{10 * (at + 1):04d} MOVEJ {' '.join(map(str, q))}\n" for at, q in enumerate(ways))
-    # in HOME, {TCP} is at 0 1174 1764 and its z axis points upwards
+    # in HOME, {TCP} is at 0 1174 1764 with its z axis upwards
     spot = [spot[0], spot[1] + 600, spot[2] + (2500 if kind == "FACING" else -300)]
     head = HEAD % " ".join(map(str, spot))
     result, found = kept(f"{head}KEEP {{TCP}} {kind} {limit} {near} {far} (deg,mm) {{PART}}\n{lines}END\n")
@@ -63,7 +63,7 @@ def test_random_ways_are_judged_as_dense_samples_do(tally, seed):
         return
     broken = {"Y0957", "Y0958"} & set(found)
     if not broken and (result is None or not result.text):
-        return  # something else is wrong: a collision, a limit
+        return  # the program has another error: a collision or a limit
     assert bool(broken) == (over > 0.0)
     tally.count("outside", "Y0957" in broken)
     tally.count("beyond", "Y0958" in broken)
@@ -80,8 +80,9 @@ def test_random_ways_are_judged_as_dense_samples_do(tally, seed):
 @settings(max_examples=150, deadline=None)
 @given(st.integers(0, 2**32), st.booleans())
 def test_bounds_hold_for_any_cubic(tally, seed, is_carried):
-    """Fast cubics, and points near the apex or far from it: the bounds contain what samples see, or the
-    motion is refused."""
+    """The bounds contain all samples for fast motions, and for points near or far from the apex; else the
+    motion is refused.
+    """
     drawn = np.random.default_rng(seed)
     chain = robot_of("INDUSTRIAL6").chain
     x, v, a, j = drawn.uniform(-2.0, 2.0, (4, 1, 6)) * np.array([1.0, 1.0, 4.0, 10.0])[:, None, None]
@@ -144,7 +145,7 @@ EXAMPLE = Path(__file__).parents[2] / "examples" / "33_camera_in_sight.yarc"
 
 
 def test_a_way_that_keeps_a_place_in_sight():
-    """Without the rule, the way found leaves the cone; with it, the judge proves that the way doesn't."""
+    """Without the rule, the planned path leaves the cone; with it, it provably stays inside."""
     text = EXAMPLE.read_text()
     kept_ = yarclang.compile(text, folder=EXAMPLE.parent)
     (rule,) = kept_.value.certificate.commands[1].kept

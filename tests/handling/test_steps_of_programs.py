@@ -1,5 +1,5 @@
-"""Programs that carry parts, one command at a time and from a command in the middle: parts are then where
-the whole program has them.
+"""Tests of programs that carry parts, executed by single steps or from a command in the middle: the parts are
+where the whole program has them.
 """
 
 import numpy as np
@@ -16,7 +16,7 @@ from yarclang.robot.kinematics.fk import tool_poses
 
 
 def cell_before(plan, number):
-    """Return the cell with its parts as they are in front of a motion."""
+    """Return the cell with its parts before a motion."""
     return surroundings(plan.program.cell, parts_before(plan, plan.motions[number].step))
 
 
@@ -51,7 +51,7 @@ def test_the_way_to_a_command_in_the_middle_carries_what_is_carried_there(tmp_pa
 
 
 def test_a_step_that_meets_something_with_its_part_is_refused(tmp_path):
-    """The whole was certified in another cell: the step alone is judged with the part in the gripper."""
+    """A single step is judged with the part in the gripper, here in a cell with an added wall."""
     from dataclasses import replace
 
     plan = made(tmp_path, PICK + PUT).value.plan
@@ -77,8 +77,9 @@ def test_a_step_that_meets_something_with_its_part_is_refused(tmp_path):
 @pytest.mark.parametrize("share", [0.02, 0.3, 0.7, 0.98])
 @pytest.mark.parametrize("number", [1, 2, 4, 5])
 def test_a_run_that_was_stopped_beside_a_part_goes_on_along_its_path(tmp_path, number, share):
-    """Both back to where the motion begins, and on to its end; the way is straight, and the next part
-    isn't there yet.
+    """After a stop beside a part, the robot can go back along its path, or on to the end of the motion.
+
+    The path is straight, and the feeder's next part isn't there yet.
     """
     plan = made(tmp_path, PICK + PUT, count=2).value.plan
     motion = plan.motions[number]
@@ -93,7 +94,7 @@ def test_a_run_that_was_stopped_beside_a_part_goes_on_along_its_path(tmp_path, n
         assert parts == (["BOX 1", "BOX 2"] if number > 3 else ["BOX 1"])
         qs = way.curve.sample(np.linspace(0.0, way.curve.duration, 50))[0]
         tips = tool_poses(plan.robot.chain, qs, plan.robot.flange_from_frame["TCP"])[:, :2, 3]
-        assert np.ptp(tips, axis=0).max() < 5e-4  # straight up and down
+        assert np.ptp(tips, axis=0).max() < 5e-4  # the gripper moves straight up or down
 
 
 def test_the_way_on_starts_where_the_robot_stands_only_if_its_parts_are_there(tmp_path):
@@ -105,7 +106,7 @@ def test_the_way_on_starts_where_the_robot_stands_only_if_its_parts_are_there(tm
     assert along_the_path(plan, 3, here, parts_before(plan, plan.motions[1].step)) is None
     assert along_the_path(plan, 3, here + 0.01, known) is None
     assert along_the_path(plan, 5, here, known) is None
-    # the ordinary way meets what the box touches, or a part that isn't there yet
+    # an ordinary approach would collide with the box's support, or with a part that comes only later
     assert approach(plan.robot, here, lift.curve.points[0], cell_before(plan, 2)).value is None
 
 

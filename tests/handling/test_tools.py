@@ -1,5 +1,5 @@
-"""Tools that a program changes: which is on the flange when, where it may be changed, and what its mass,
-bodies and frames then are.
+"""Tests of tools that a program changes: the tool on the flange with its mass, bodies and frames, and the
+places where it may be changed.
 """
 
 from dataclasses import replace
@@ -30,7 +30,7 @@ from yarclang.shapes import Sphere
 
 
 def tools_of(plan):
-    """The tools on the flange during each motion, by the label of its command."""
+    """Return the tools on the flange during each motion, by the label of its command."""
     carried = carried_in_plan(plan)
     return {
         plan.program.steps[one.step].origin.label: one.parts.tools for one in carried.states if one.is_motion
@@ -89,7 +89,7 @@ def test_a_tool_in_the_rack_is_an_obstacle_and_so_is_one_on_the_flange(tmp_path)
         ([OVER % "G", "TOOL GRIPPER"], "Y0951", "200 mm"),
         ([OVER % "S", IN % "S", "TOOL GRIPPER", OUT % "S"], "Y0951", "SUCTION is on the flange"),
         ([take("GRIPPER"), OVER % "S", "TOOL SUCTION"], "Y0951", "GRIPPER is on the flange"),
-        ([OVER % "G", "SET LOCK ON", IN % "G", "TOOL GRIPPER"], "Y0951", "locked already"),
+        ([OVER % "G", "SET LOCK ON", IN % "G", "TOOL GRIPPER"], "Y0951", "already locked"),
         ([OVER % "G", "MOVEL 0 -0.6 0 0 0 0 [2] {G}", "TOOL GRIPPER"], "Y0951", "0.6 mm and"),
         ([OVER % "G", "MOVEL 0 0 0 0 0.6 0 [2] {G}", "TOOL GRIPPER"], "Y0951", "0.6 deg from"),
         ([take("GRIPPER"), OVER % "G", "TOOL NONE"], "Y0952", "200 mm"),
@@ -125,7 +125,7 @@ def test_a_tool_may_not_be_put_back_with_a_part(tmp_path):
 
 
 def test_the_fingers_of_a_tool_may_touch_what_they_take(tmp_path):
-    """They overlap the block by what they press: only on the way in and out of a grasp that is allowed."""
+    """The fingers may overlap the block that they press, but only while they approach or leave it."""
     fingers = {'frame = "BLOCK"\nsize = [60, 60, 60]': 'frame = "BLOCK"\nsize = [70, 60, 60]'}
     way = ["MOVEJ_RPY {FINGERS} 0 0 150 0 0 0 {BLOCK}", "MOVEL {FINGERS} 0 0 0 0 0 0 [2] {BLOCK}"]
     grip = [*way, "SET GRIP ON", "MOVEL {FINGERS} 0 0 150 0 0 0 [2] {BLOCK}"]
@@ -143,7 +143,7 @@ def test_ways_that_meet_with_different_tools_are_told_with_both(tmp_path):
         tmp_path, "MOVEJ READY", "WHEN GOOD ON", take("GRIPPER"), "MOVEJ READY", "END", "MOVEJ READY"
     )
     (found,) = [one for one in errors(result) if one.code == "Y0953"]
-    assert "no tool is on the flange on one, GRIPPER on another" in found.message
+    assert "different tools on the flange: no tool and GRIPPER" in found.message
     assert "WHEN in line" in found.message
 
 
@@ -258,7 +258,7 @@ PAIR = (take("GRIPPER"), put("GRIPPER"), take("SUCTION"), "MOVEJ READY")
 
 @pytest.fixture(scope="module")
 def done(tmp_path_factory):
-    """A certified program that changes tools, and its text."""
+    """Return a certified program that changes tools, and its text."""
     folder = tmp_path_factory.mktemp("tools")
     result = made(folder, *PAIR)
     assert errors(result) == []
@@ -286,7 +286,9 @@ def test_a_text_whose_tool_lines_were_forged_is_refused(done, forge):
 
 
 def test_the_judge_refuses_a_tool_that_its_files_do_not_have(done):
-    """A wrong mass, place or body in the cell, which the planner would have used as well."""
+    """The planner may use a wrong mass, place or body of a tool: the judge reads the files itself, and
+    refuses the text.
+    """
     program = done.plan.program
     cell = program.cell
     assert certify(done.text, program, robot(), robot().tolerance).value is not None
@@ -324,11 +326,11 @@ BLOCKS = {
 
 
 class Wrong(Exception):
-    """A program that changes tools in a way that is refused."""
+    """The program changes tools in a way that must be refused."""
 
 
 def after(block, on):
-    """The tool on the flange after a block, by hand."""
+    """Return the tool on the flange after a block, computed by the test."""
     word, _, name = block.partition(" ")
     tool = {"G": "GRIPPER", "S": "SUCTION"}.get(name)
     if word == "take":
@@ -343,7 +345,7 @@ def after(block, on):
 
 
 def walked(blocks, on):
-    """The tool after blocks, of which lists of two are the ways of a WHEN, by trying every way."""
+    """Return the tool after blocks. A list of two blocks is a WHEN, and both branches are followed."""
     for one in blocks:
         if isinstance(one, str):
             on = after(one, on)
@@ -394,7 +396,7 @@ def test_random_changes_are_refused_only_where_a_way_changes_wrongly(tally, tmp_
 
 
 def again_is_the_same(result):
-    """What the judge follows by itself is what planner and proofs were given."""
+    """Check that the judge derives the tools that planner and proofs have used."""
     if result.value is None:
         return
     plan = result.value.plan
@@ -408,7 +410,7 @@ def again_is_the_same(result):
     assert all(isinstance(plan.program.steps[step], Motion) for step in own)
 
 
-# masses and places
+# masses and poses
 
 
 @settings(max_examples=30, deadline=None)
@@ -471,9 +473,9 @@ def test_what_is_in_place_is_within_reach_and_angle(distance, turn):
 
 @pytest.mark.parametrize("line", ["OUTPUT MINE M1 OFF", "OUTPUT MINE M1..M4 2"])
 def test_no_stop_unlocks_the_changer(tmp_path, line):
-    """A second name of the lock's output may have a value for stops."""
+    """The output of the lock may have a second name with a safe value, which must not unlock the tool."""
     found = errors(made(tmp_path, line, take("GRIPPER")))
-    assert any(one.code == "Y0952" and "drops the tool" in one.message for one in found), codes(found)
+    assert any(one.code == "Y0952" and "so that the tool falls" in one.message for one in found), codes(found)
     kept = line.replace("OFF", "ON").replace(" 2", " 3")
     assert "Y0952" not in codes(errors(made(tmp_path, kept, take("GRIPPER"))))
 

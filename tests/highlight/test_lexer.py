@@ -1,4 +1,4 @@
-"""The Pygments lexer: it knows all words, loses no character, and finds no error in the examples."""
+"""Tests of the Pygments lexer: it knows all words, loses no character, and finds no error in the examples."""
 
 import doctest
 import re

@@ -1,6 +1,6 @@
-"""A second kind of controller, as small as one can be: it executes a table of control points, a line each.
+"""A second kind of controller, as small as possible: it executes a table of control points, one a line.
 
-It is the example of CONTRIBUTING.md. What it can't do (outputs, waits, jogs, settings) it says.
+It is the example of CONTRIBUTING.md. It reports what it can't do: outputs, waits, jogs and settings.
 """
 
 from __future__ import annotations
@@ -28,13 +28,13 @@ from yarclang.motion.limits import Grid
 from yarclang.robot.controller import NO_SIGNAL, Kind, SignalVariable
 from yarclang.units import MS
 
-STEP = 1e-6  # [s], of segment times
+STEP = 1e-6  # resolution of segment times [s]
 DECIMALS = 6
 
 
 @frozen
 class Knots:
-    """How a robot hangs on it."""
+    """The connection of a robot to this kind of controller."""
 
     axes: tuple[str, ...]
     motors: tuple[int, ...]
@@ -79,7 +79,7 @@ KIND = Kind(
 )
 
 
-# writing
+# writing the text
 
 
 def _grid(robot, tm):
@@ -100,7 +100,8 @@ def _write(plan, target, tolerance, memory):
         if isinstance(step, Motion):
             curve = motions[number].curve
             lines += [f"T,{curve.segment / MS:.6f}"]
-            # the last point stands thrice: at rest between all motions
+            # the robot rests between motions: the first three points equal the row before, and the last three
+            # are equal
             lines += [_row(np.round(point / units, DECIMALS) + 0.0) for point in curve.points[3:-2]]
         elif isinstance(step, Dwell):
             lines.append(f"D,{step.duration / MS:.6f}")
@@ -136,7 +137,7 @@ def _write(plan, target, tolerance, memory):
     return Result(written)
 
 
-# reading: the judge's own, without a word of the writer
+# reading the text: this is the judge's own code, which shares nothing with the writer
 
 
 def _read(text, controller, memory):

@@ -1,5 +1,5 @@
-"""How the controller of a table of knots is talked to: one text line asks, one answers. Nothing goes on by
-itself but what was loaded.
+"""The dialogue with the controller of a table of knots: each text line is a request, and gets one line in
+reply. Nothing moves by itself except the loaded table.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from yarclang.runtime.state import Event, State
 
 
 class Exchange:
-    """Lines both ways."""
+    """A connection that sends a line and receives a line."""
 
     def __init__(self):
         self.lost, self.deadline, self._got = False, None, b""
@@ -50,7 +50,7 @@ class Exchange:
 
 
 def ask(operation, line):
-    """The state, how many rows are left, and where it is [axis units]."""
+    """Send a line, and return the state, the number of rows left, and the position [axis units]."""
     answer = yield line
     if not isinstance(answer, str):
         raise Lost("no answer")
@@ -94,7 +94,7 @@ def idle(operation, robot, wanted):
 
 
 def perform(operation, job):
-    """Load all of it, run it, and look after it to its end."""
+    """Load the whole table, run it, and supervise it to its end."""
     robot = job.robot
     operation.go(Event.LOAD, f"loading {job.name}")
     place = yield from stands_at(operation, robot)
@@ -115,7 +115,7 @@ def perform(operation, job):
                 return Ended(False, "stopped on its path", "", place * robot.axis_units, done=done)
             if isinstance(order, Hold) and operation.state is State.MOVE:
                 yield from ask(operation, "hold")
-                operation.go(Event.HOLD, "a hold was asked for")
+                operation.go(Event.HOLD, "hold requested")
             if isinstance(order, Resume) and operation.state is State.HOLD:
                 yield from ask(operation, "run")
                 operation.go(Event.RESUME)

@@ -1,6 +1,4 @@
-"""A simulated controller that executes a table of knots, in a thread of its own: a text line asks, a text
-line answers.
-"""
+"""A simulated controller that executes a table of knots in its own thread. It answers each line."""
 
 from __future__ import annotations
 
@@ -12,7 +10,7 @@ import numpy as np
 
 
 class Simulated:
-    """Listens on `port`; `fail()` makes a fault."""
+    """A simulator that listens on `port`; `fail()` causes a fault."""
 
     def __init__(self, stands, rate):
         self.rows, self.segment, self.place = [], 1.0, np.array(stands)
@@ -38,13 +36,13 @@ class Simulated:
         self.server.server_close()
 
     def fail(self):
-        """Let the drives fail."""
+        """Put the drives into a fault."""
         with self.lock:
             self.advance()
             self.state = "fault"
 
     def advance(self):
-        """Execute what is due; a row is reached as its time has passed."""
+        """Execute all rows whose time has passed."""
         now = time.monotonic()
         if self.state == "run":
             self.done += (now - self.since) * self.rate

@@ -1,5 +1,5 @@
-"""A second kind of controller, in this folder: what is neutral asks the backend, and no room knows the one
-kind.
+"""Tests of a second kind of controller, which this folder defines: all code outside the backends works with
+it.
 """
 
 import asyncio
@@ -46,7 +46,7 @@ def kind():
 
 @pytest.fixture
 def folder(tmp_path):
-    """A folder with INDUSTRIAL6 on the other controller, and a program for it."""
+    """Return a folder with INDUSTRIAL6 on the other kind of controller, and a program for it."""
     own = tmp_path / "arm"
     shutil.copytree(stdlib_folder() / "robots" / "industrial6", own)
     text = (own / "robot.toml").read_text()
@@ -66,13 +66,13 @@ def compiled(folder):
 
 
 def judged(folder, text):
-    """Judge a text as before it is run."""
+    """Judge a text as is done before a run."""
     source = SourceFile(str(folder / "job.knots"), text)
     return judge_text(source, folder, Options(robot=str(folder / "arm")))
 
 
 def resealed(text):
-    """Seal a changed text anew, so that the judge has to find what was changed."""
+    """Seal a changed text again, so that the judge has to find the change itself."""
     summary = re.search(r"\n; certificate ([^\n]*)\n", text)[1]
     bare = re.sub(r"\n; certificate [^\n]*\n", f"\n; certificate {UNSEALED}\n", text, count=1)
     return sealed(re.sub(r"\n; sha256 [^\n]*\n", f"\n; sha256 {UNSEALED}\n", bare, count=1), summary)
@@ -140,8 +140,9 @@ def test_an_output_of_another_kind_is_refused(folder):
 
 
 def carried_out(folder, during):
-    """Run the text on a simulator, `during(coordinator, client, simulator)` beside it. Returns how it has
-    ended, the state, and how far off the end it stands.
+    """Run the text on a simulator, with `during(coordinator, client, simulator)` at the same time.
+
+    Return the outcome, the state, and the largest distance of a joint from its end position.
     """
     compiled(folder)
     robot = load_robot(str(folder / "arm")).value
@@ -214,7 +215,7 @@ def test_a_fault_is_told_and_cleared(folder):
 
 def test_what_it_has_not_is_denied(folder):
     async def during(coordinator, client, simulator):
-        with pytest.raises(Trouble, match="tools of its own"):
+        with pytest.raises(Trouble, match="set up with the manufacturer's tools"):
             await Servicing(coordinator, client.name).enable()
 
     carried_out(folder, during)

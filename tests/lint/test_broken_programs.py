@@ -1,5 +1,5 @@
-"""Programs with one fault each, made of the examples: what is found stands at the fault or speaks of it,
-and says it once or twice.
+"""Tests of findings in programs with one fault each, made from the examples: a finding stands at the fault or
+names it, and most faults have one or two findings.
 """
 
 import random
@@ -16,15 +16,17 @@ from yarclang.source import SourceFile
 
 COUNT = 400
 AT_MOST = 2
-"""Findings for one fault, in 95 % of the programs."""
+"""Most findings that a fault may have, in at least SHARE of the programs."""
 SHARE = 0.95
 
 _TOKEN = re.compile(r"\{[^}]*\}|\[[^\]]*\]|\([^)]*\)|\"[^\"]*\"|[^\s{}\[\]()\"]+|[\[\](){}]")
 _WORD = re.compile(r"[A-Z_][A-Z0-9_]{2,}")
 _OF_BLOCKS = {"Y0113", "Y0114", "Y0115", "Y0116", "Y1002"}
-"""An END or ELSE that is gone is told where its block begins."""
+"""Codes of a missing END or ELSE, which are reported where the block begins."""
 _LEFT_OUT = {"Y0302", "Y0304", "Y0406"}
-"""What a DEFAULT doesn't give is missing where it is needed."""
+"""Codes of a value that is missing because DEFAULT doesn't give it; they are reported at the line that needs
+it.
+"""
 _DIGIT = re.compile(r"\d")
 
 
@@ -111,7 +113,9 @@ SOURCES = sorted(EXAMPLES.glob("*.yarc"))
 
 
 def broken(number):
-    """The text of a broken program, its file, and the lines at which the fault is."""
+    """Return the kind of fault, the example's path, the text of the broken program, and the lines of the
+    fault.
+    """
     draw = random.Random(f"yarc {number}")
     path = SOURCES[number % len(SOURCES)]
     lines = path.read_text().splitlines()
@@ -128,7 +132,7 @@ def found(path, text, memory):
 
 
 def speaks_of(one, at, original):
-    """Whether a finding stands at the fault or beside it, or tells of what is missing there."""
+    """Return True if a finding stands at the fault or next to it, or speaks of what the fault left out."""
     if one.span is None:
         return False
     words = {word for line in at for word in _WORD.findall(original[line - 1].upper())} - COMMON
@@ -140,7 +144,9 @@ def speaks_of(one, at, original):
 
 
 def test_one_fault_is_said_once_or_twice_where_it_is():
-    memory = Recent(MOST_KEPT)  # what a fault leaves as it was isn't planned again: nothing else is found
+    # this speeds up the test: motions that a fault leaves unchanged aren't planned again, and the findings
+    # are the same
+    memory = Recent(MOST_KEPT)
     before = {path: {one.code for one in found(path, path.read_text(), memory)} for path in SOURCES}
     many, away, errors = [], [], 0
     for number in range(COUNT):
@@ -155,5 +161,5 @@ def test_one_fault_is_said_once_or_twice_where_it_is():
             away.append(told)
     assert len(many) <= (1.0 - SHARE) * COUNT, many
     assert errors > COUNT / 3
-    # a value that is legal and wrong shows where it is used
+    # a wrong but legal value is reported where it is used, which may be elsewhere
     assert len(away) <= (1.0 - SHARE) * errors, away

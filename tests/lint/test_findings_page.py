@@ -1,4 +1,6 @@
-"""docs/findings.md says what the catalogue and the rules say; its examples of settings and comments work."""
+"""Tests of docs/findings.md: it says what the catalogue and the rules say, and its examples of settings and
+comments work.
+"""
 
 import re
 from pathlib import Path

@@ -1,6 +1,4 @@
-"""Fixes of broken programs: none makes an error that wasn't there, and the result has none of its fixes
-left to apply.
-"""
+"""Tests of fixes of broken programs: a fix causes no new error, and after all fixes none is left to apply."""
 
 import pytest
 from conftest import EXAMPLES

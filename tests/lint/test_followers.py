@@ -1,4 +1,4 @@
-"""A fault is said once: what only follows from it is left out, and what doesn't stays."""
+"""Tests of leaving out findings: a fault is reported once, without those that only follow from it."""
 
 from pathlib import Path
 
@@ -62,7 +62,7 @@ HEAD = "DEFAULT {TCP} [50%] (mm,deg,s) {B}\n"
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        # what rests on a frame that isn't what was meant isn't spoken of, what doesn't rest on it is
+        # findings that depend on the unreadable frame {A} are left out, the others aren't
         (
             (
                 "FRAME {A} x 0 0 0 0 0\n"
@@ -73,7 +73,7 @@ HEAD = "DEFAULT {TCP} [50%] (mm,deg,s) {B}\n"
             [(2, "Y0402"), (5, "Y0502")],
         ),
         ("P0010 MOVEJ 10 0 0 0 0 0 [5\nP0020 MOVEJ 20 0 0 0 0 0", [(2, "Y0102")]),
-        # a law without a cruise is told although it isn't known from where the motion goes
+        # Y0407 is reported although the start of the motion is unknown: the law of _POLY5 has no cruise
         (
             "P0010 MOVEJ_RPY 0 2174 1376 0 0 0\nP0020 MOVEL_POLY5 0 1174 1276 0 0 0 [V 25]",
             [(2, "Y0501"), (3, "Y0407")],

@@ -1,4 +1,8 @@
-"""Each rule is documented, finds what its invalid examples have, and says nothing of its valid ones."""
+"""Tests of the rules: each is documented, finds the fault of its invalid examples, and finds nothing in its
+valid ones.
+"""
+
+import re
 
 import pytest
 from conftest import EXAMPLES
@@ -20,8 +24,8 @@ CASES = [
     for number, text in enumerate(texts)
 ]
 TRUE_NOTES = {"Y0505", "Y0506", "Y0702", "Y0204", "Y0920"}
-"""What the examples are told, and rightly: a swing, a way-point near a limit, a singularity, names of the
-first release, a way round.
+"""Findings that the rules' examples rightly have: a swing, a waypoint near a limit, a singularity, names of
+the first release, a way round.
 """
 
 
@@ -32,10 +36,11 @@ def found(text, folder, teach=False):
 
 
 def is_said(rule, diagnostics):
-    """Return True if the rule has a finding of its own, or one of its questions explains an error."""
+    """Return True if the rule has a finding of its own, or its message and help explain an error."""
     if rule.finding.code in {one.code for one in diagnostics}:
         return True
-    return rule.explains_errors and any(one.is_error and "are these" in one.help for one in diagnostics)
+    said = r"if the values are in (m|mm), write \1 in the units: this pose is [\d.,]+ m?m from \{B\}"
+    return rule.explains_errors and any(one.is_error and re.match(said, one.help) for one in diagnostics)
 
 
 @pytest.mark.parametrize(("rule", "text", "expected"), CASES)
@@ -67,7 +72,7 @@ def test_codes_and_names_are_there_once():
 
 
 def test_there_are_many():
-    """Codes about programs alone, without those of robots, cells, imports and runs."""
+    """Count only codes about programs, not those about robots, cells, imports and runs."""
     assert len([code for code in everything() if code < "Y13" or code >= "Y17"]) > 50
     assert len(rules()) >= 11
     assert {rule.reads.__name__ for rule in rules()} == {"Module", "Program", "MotionPlan", "Certificate"}
@@ -113,7 +118,7 @@ def test_a_rule_is_silent_at_a_command_with_an_error(tmp_path):
     ],
 )
 def test_motions_that_go_nowhere(text, expected, tmp_path):
-    """Y0603 is found by the planner itself, and has its examples here."""
+    """Y0603 comes from the planner and not from a rule, so that its examples are here."""
     assert ("Y0603" in {one.code for one in found(text, tmp_path)}) == expected
 
 

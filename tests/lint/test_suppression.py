@@ -1,5 +1,5 @@
-"""Comments that suppress findings: at the end of a line or alone above it; needless and impossible ones
-are told.
+"""Tests of comments that suppress findings, at the end of a line or alone above it. Needless and impossible
+ones are reported.
 """
 
 import pytest
@@ -11,7 +11,7 @@ from yarclang.pipeline.inputs import Options
 from yarclang.source import SourceFile, Span
 
 NOWHERE = "P0010 MOVEJ HOME [5] (s)"
-"""Y0603: the motion goes nowhere."""
+"""A motion that goes nowhere, which is the finding Y0603."""
 
 
 def check(text, folder, **how):
@@ -50,7 +50,7 @@ def test_of_many_wrong_words_in_a_comment_the_first_are_told(tmp_path):
     words = ",".join(f"Y0{number}x" for number in range(1_000))
     found = check(f"P0010 STOP ! yarc: ignore[{words}]", tmp_path)
     assert [one.code for one in found if one.code == "Y1702"] == ["Y1702"] * 20
-    assert found[-1].message == "no finding is called Y019x; 980 more like it in this line"
+    assert found[-1].message == "there is no finding Y019x; 980 more like it in this line"
     assert all(one.help for one in found)
 
 
@@ -111,9 +111,9 @@ def test_a_rule_can_be_switched_off(tmp_path):
 @pytest.mark.parametrize(
     ("settings", "line", "said"),
     [
-        ('[findings]\nY0502 = "off"', 2, "Y0502 is an error, which stays one"),
+        ('[findings]\nY0502 = "off"', 2, "Y0502 is an error, which can't be changed"),
         ('[findings]\nY0603 = "loud"', 2, "Y0603 is set to 'loud'"),
-        ('[findings]\nno-moton = "off"', 2, "no finding is called no-moton"),
+        ('[findings]\nno-moton = "off"', 2, "there is no finding no-moton"),
         ("findings = 5", 1, "findings is a table"),
         ('teach = "yes"', 1, "teach is true or false"),
     ],

@@ -1,4 +1,4 @@
-"""A server in a process of its own, and a client that talks to it."""
+"""A language server in a separate process, and a client that talks to it."""
 
 import asyncio
 import sys
@@ -38,7 +38,7 @@ def capabilities(
 
 
 class Editor:
-    """What a person does in an editor, in few words."""
+    """The actions of a person in an editor, as short methods."""
 
     def __init__(self, client: LanguageClient) -> None:
         self.client = client
@@ -73,7 +73,7 @@ class Editor:
     async def until(
         self, document: types.TextDocumentIdentifier, wanted: Callable[[list[types.Diagnostic]], bool]
     ) -> list[types.Diagnostic]:
-        """What the server has sent of a text once it is what is wanted."""
+        """Wait until the findings of a text meet a condition, and return these findings."""
         while not wanted(found := list(self.client.diagnostics.get(document.uri, []))):
             await self.client.wait_for_notification(types.TEXT_DOCUMENT_PUBLISH_DIAGNOSTICS)
         return found
@@ -99,7 +99,7 @@ async def editor(client_capabilities: types.ClientCapabilities) -> AsyncIterator
 
 
 def run(work: Callable[[Editor], Awaitable[None]], client_capabilities: types.ClientCapabilities) -> None:
-    """Do some work with a server of its own; a server that doesn't answer fails."""
+    """Run `work` with a separate server. If the server doesn't answer in time, the test fails."""
 
     async def whole() -> None:
         async with asyncio.timeout(LONGEST), editor(client_capabilities) as one:

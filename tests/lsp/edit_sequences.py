@@ -1,6 +1,4 @@
-"""Sequences of edits by chance, with questions in between: what a person or a tool may do to a text, and
-worse.
-"""
+"""Random sequences of edits with requests in between, as people and tools make them, and worse ones."""
 
 import asyncio
 import random
@@ -27,18 +25,18 @@ QUICK = [text for text in TEXTS if "PATTERN" not in text and "WEAVE" not in text
 """The examples that are planned in less than a second."""
 
 EVERY = 25
-"""Edits between two comparisons with a fresh check."""
+"""Number of edits between two comparisons with a fresh check."""
 
 UNDONE = {10, EVERY - 1}
-"""Edits of somebody who types, between two comparisons, that mostly take all back; then a digit is
-changed. Else nearly all texts would have errors.
+"""Edits of a mild sequence, counted from the last comparison, that mostly restore its first text. Without
+them, nearly all texts would have errors.
 """
 
 LONGEST = 120.0
-"""A server that doesn't answer for so long [s] hangs."""
+"""Time without an answer after which the server counts as hanging [s]."""
 
 ALLOWED = {-32800, -32801, -32803}
-"""Errors of the protocol that are no faults: a question was taken back, its text has changed, or it is
+"""Error codes of the protocol that are allowed: a request was cancelled, its text has changed, or it is
 refused.
 """
 
@@ -100,9 +98,10 @@ class Sequence:
     """One text that is edited.
 
     Args:
-        seed: of the chance.
-        is_heavy: whether whole blocks and rubbish come and go; else somebody types.
-        folder: where the text would be saved.
+        seed: seed of the random edits.
+        is_heavy: True for edits as by tools and pasting, with blocks and random characters; False for edits
+            as by typing.
+        folder: the folder of the text's file. The text isn't saved.
     """
 
     seed: int
@@ -111,10 +110,10 @@ class Sequence:
     text: str = ""
     version: int = 1
     longest: float = 0.0
-    """The longest time until a question was answered [s]."""
+    """The longest time from a request to its answer [s]."""
     done: Tally = field(default_factory=Tally)
-    """Edits that left another text; questions by their names that got an answer; comparisons, and those of
-    texts with errors or that were planned.
+    """Shares of edits that changed the text, of requests (by name) that got an answer, and of comparisons;
+    also of comparisons with texts that had errors or were planned.
     """
     _pending: list[tuple[str, asyncio.Future[Any], float]] = field(default_factory=list)
 
@@ -169,7 +168,7 @@ class Sequence:
         wire.tell("textDocument/didChange", {"textDocument": document, "contentChanges": changes})
 
     def _mild(self) -> tuple[int, int, str]:
-        """What somebody does who types: from where to where is replaced by what."""
+        """Return an edit as by typing: start and end of the replaced text, and the new text."""
         chance, text = self.chance, self.text
         typed = next(self._typed, None)
         if typed is not None:
@@ -196,7 +195,7 @@ class Sequence:
         return (at, min(at + 1, len(text)), "") if kind < 0.95 else (at, at, chance.choice("0 A{}[]!;.$"))
 
     def _heavy(self) -> tuple[int, int, str]:
-        """What tools, pasting and hands on the wrong key do."""
+        """Return an edit as by tools, pasting and mistyped keys."""
         chance, text = self.chance, self.text
         at = chance.randrange(len(text) + 1)
         other = min(len(text), at + int(chance.expovariate(1 / 60)))
@@ -243,14 +242,14 @@ class Sequence:
         what = self.chance.choice(QUESTIONS)
         at = self._position(self.chance.randrange(len(self.text) + 1))
         if what == "definition" and self.chance.random() < 0.6:
-            # most places of a text have none
+            # choose a name, because most places of a text have no definition
             names = [found.start() for found in re.finditer(r"(?<=[{$])[A-Za-z_]", self.text)] or [0]
             at = self._position(self.chance.choice(names))
         whole = {"start": {"line": 0, "character": 0}, "end": {"line": 10_000, "character": 0}}
         params: dict[str, Any] = {"textDocument": {"uri": self.uri}}
         match what:
             case "codeAction":
-                # from here to the end: at one place alone there is seldom something to do
+                # from here to the end of the text, because a single place rarely has an action
                 params |= {"range": {"start": at, "end": whole["end"]}, "context": {"diagnostics": []}}
             case "formatting" | "rangeFormatting":
                 params |= {"range": whole, "options": {"tabSize": 2, "insertSpaces": True}}
@@ -272,7 +271,7 @@ class Sequence:
             wire.cancel()
 
     async def _answered(self) -> None:
-        """Wait for what was asked."""
+        """Wait for the answers to all pending requests."""
         for what, answer, asked in self._pending:
             said = await asyncio.wait_for(answer, LONGEST)
             self.longest = max(self.longest, asyncio.get_running_loop().time() - asked)
@@ -285,7 +284,7 @@ class Sequence:
     # findings
 
     async def _compare(self, wire: Wire) -> None:
-        """Hold what the server has found against a fresh check."""
+        """Compare the server's findings with those of a fresh check."""
         params = {"textDocument": {"uri": self.uri}}
         said = await asyncio.wait_for(wire.ask("textDocument/diagnostic", params), LONGEST)
         assert "error" not in said, (self.path.name, self.version, said)
@@ -317,4 +316,6 @@ PULLS = {
         "codeAction": {"codeActionLiteralSupport": {"codeActionKind": {"valueSet": []}}},
     }
 }
-"""A client that asks for findings and can't be told to ask again: it gets all of them."""
+"""A client that requests findings, and that the server can't ask to request them again. So each answer must
+have all findings.
+"""

@@ -1,5 +1,5 @@
-"""Work in the background: newest first, given up where a text has changed, and never in the way of
-questions.
+"""Work in the background: the newest text comes first, outdated work is given up, and requests never wait for
+this work.
 """
 
 import asyncio
@@ -18,7 +18,7 @@ SOON = 10.0
 
 
 class Slow:
-    """Checks that plan for ever, unless they are let go on."""
+    """Checks whose planning doesn't end before `go_on` is set."""
 
     def __init__(self) -> None:
         self.done: list[tuple[str, int, bool]] = []
@@ -27,7 +27,9 @@ class Slow:
         self.go_on = threading.Event()
         self.is_slow_at_first = False
         self.planned: tuple[str, ...] | None = None
-        """What planning finds in the first line, if it says so before the proof."""
+        """Codes that planning finds in the first line and reports before the proof; None if it reports
+        nothing early.
+        """
         self.proved: tuple[str, ...] = ()
 
     def syntax(self, document: Document) -> tuple[Diagnostic, ...] | None:
@@ -41,7 +43,7 @@ class Slow:
         is_stale: Callable[[], bool],
         early: Callable[[Checked], None],
     ) -> Checked | None:
-        assert plans == (begun is not None)  # what was found without planning is gone on from
+        assert plans == (begun is not None)  # planning continues from what was found without planning
         if plans and self.planned is not None:
             early(Checked(findings(document, self.planned)))
         if plans or self.is_slow_at_first:
@@ -193,9 +195,7 @@ def test_a_new_text_ends_the_first_look_at_the_old_one():
 
 
 def test_syntax_errors_of_long_texts_are_told_at_once():
-    """They come first, with what was said of other lines, and nobody takes them for all that is to be
-    said.
-    """
+    """Syntax errors are sent first, but they don't count as the complete findings of the text."""
 
     async def work(analyses: Analyses, checks: Slow, arrived: list[Analysis]) -> None:
         analyses.put(Document("busy", 1, ""))
@@ -205,7 +205,7 @@ def test_syntax_errors_of_long_texts_are_told_at_once():
         analyses.put(Document("a", 1, ""))
         while not any(one.shown for one in arrived):
             await asyncio.sleep(0.002)
-        assert analyses.of("a") is None  # while its names are still looked up
+        assert analyses.of("a") is None  # names aren't resolved yet
         checks.go_on.set()
         assert (await analyses.whole("a", None)).checked.diagnostics == ()
         told = [[one.code for one in each.shown] for each in arrived if each.document.uri == "a"]
@@ -242,7 +242,7 @@ def test_closed_texts_keep_nobody_waiting():
         analyses.drop("a")
         assert await waiting is None
         assert analyses.of("a") is None
-        analyses.again("a")  # nothing to look at
+        analyses.again("a")  # the text is closed, so there is nothing to check
         assert await analyses.whole("a", None) is None
 
     run(work)

@@ -1,4 +1,4 @@
-"""What planning has said stays where lines stay."""
+"""Findings of planning stay with their lines, as long as these lines are unchanged."""
 
 from hypothesis import given
 from hypothesis import strategies as st
@@ -21,8 +21,8 @@ def finding(source: SourceFile, line: int, code: str = "Y0601") -> Diagnostic:
 
 @given(LINES, LINES, LINES, LINES)
 def test_findings_move_with_their_lines(head: list[str], old: list[str], new: list[str], tail: list[str]):
-    """Whatever is carried stands in a line with the same text, and what stands before and behind the edit
-    is.
+    """Each carried finding is in a line with the same text. All findings before and after the edit are
+    carried.
     """
     before, after = text([*head, *old, *tail]), text([*head, *new, *tail])
     findings = [finding(before, line + 1) for line in range(len(before.lines))]

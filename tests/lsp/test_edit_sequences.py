@@ -1,10 +1,10 @@
-"""Texts that are edited by chance, quickly and while questions are open: the server answers all of them, and
-finds what `yarc check` finds.
+"""Texts that are edited at random, quickly, and while requests are pending: the server answers all requests,
+and finds the same as `yarc check`.
 
-Usually four pairs of sequences are run, a quarter of a minute; YARCLANG_RANDOM_EDITS=500 in the environment
-runs so many pairs, half an hour. The two texts of a pair are edited at the same time in one server: one as
-people type, one as tools and paste do. With YARCLANG_RANDOM_EDITS_MEMORY=FILE, what the server holds [MB]
-after each pair is written there, after the pair's seed.
+Usually four pairs of sequences are run, in a quarter of a minute. YARCLANG_RANDOM_EDITS=500 in the
+environment runs 500 pairs, in half an hour. The two texts of a pair are edited at the same time in one
+server: one as people type, one as tools and pasting do. With YARCLANG_RANDOM_EDITS_MEMORY=FILE, a line with
+the pair's seed and the server's memory [MB] is written to FILE after each pair.
 """
 
 import asyncio
@@ -19,18 +19,18 @@ from tests.lsp.wire import server
 
 COUNT = int(os.environ.get("YARCLANG_RANDOM_EDITS", "4"))
 BLOCK = 100
-"""So many pairs are one test, and have one server."""
+"""Number of pairs in one test. They share one server."""
 
 MEMORY = os.environ.get("YARCLANG_RANDOM_EDITS_MEMORY")
 
 EDITS = 2 * EVERY
-"""Edits of a sequence."""
+"""Number of edits of a sequence."""
 
 WARM = 25
 """Pairs after which the server's memory levels off."""
 
 GROWTH = 1.15
-"""How much more the server may hold after the second half of the pairs than after the first one."""
+"""Largest ratio of the server's memory in the second half of the pairs to that in the first half."""
 
 FLOORS = {
     "edit": 0.8,
@@ -39,14 +39,14 @@ FLOORS = {
     "completion": 0.5,
     "definition": 0.03,
     "codeAction": 0.2,
-    "formatting": 0.05,  # of some twenty, about a tenth
+    "formatting": 0.05,  # of about twenty requests, about a tenth gets an answer
     "semanticTokens/full": 0.3,
     "documentSymbol": 0.3,
     "comparison": 1.0,
     "comparison of a program that can be carried out": 0.12,
     "comparison of a program with errors": 0.2,
 }
-"""The least shares of edits that change something, of questions with an answer, and of comparisons."""
+"""Smallest shares of edits that change the text, of requests that get an answer, and of comparisons."""
 
 
 @pytest.mark.parametrize("block", range(-(-COUNT // BLOCK)))

@@ -1,4 +1,4 @@
-"""A server in which something fails: it shows the failure in the text, goes on, and looks at the next
+"""Internal errors in the server: the server reports the error in the text, continues, and checks the next
 edit.
 """
 

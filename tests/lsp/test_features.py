@@ -1,4 +1,4 @@
-"""Every feature as an editor asks for it, over standard input and output."""
+"""Each feature, as an editor requests it over standard input and output."""
 
 import asyncio
 from pathlib import Path
@@ -15,7 +15,9 @@ LINES = TEXT.split("\n")
 
 
 def position(piece: str, number: int = 1, shift: int = 0) -> types.Position:
-    """Where a piece of the example begins."""
+    """Return the place at which the `number`-th occurrence of a piece of the example begins, plus `shift`
+    columns.
+    """
     place = -1
     for _ in range(number):
         place = TEXT.index(piece, place + 1)
@@ -27,7 +29,7 @@ WHOLE = types.Range(types.Position(0, 0), types.Position(len(LINES), 0))
 
 
 def applied(text: str, edits: list[types.TextEdit]) -> str:
-    """A text of ASCII with edits of the protocol."""
+    """Return an ASCII text after edits of the protocol."""
     starts = [0]
     for line in text.split("\n"):
         starts.append(starts[-1] + len(line) + 1)
@@ -84,7 +86,7 @@ def test_all_features_answer():
         assert applied(TEXT, renamed.changes[document.uri]) == TEXT.replace("{EDGE}", "{RIM}")
         with pytest.raises(JsonRpcException, match="comes from the robot"):
             await client.text_document_rename_async(types.RenameParams(document, at.position, "TCP"))
-        with pytest.raises(JsonRpcException, match="no name stands here"):
+        with pytest.raises(JsonRpcException, match="there is no name here"):
             await client.text_document_prepare_rename_async(
                 types.PrepareRenameParams(document, position("P0020"))
             )
@@ -127,8 +129,8 @@ def test_all_features_answer():
 
 
 def test_a_closing_bracket_ends_the_choice(tmp_path: Path):
-    """What is typed to its end matches no choice any more: else the next Enter would take one, and write
-    over the bracket.
+    """A frame that is typed including its closing bracket matches no proposal any more. Otherwise the next
+    Enter would insert a proposal and overwrite the bracket.
     """
     text = "ROBOT INDUSTRIAL6\nDEFAULT {TCP} [2] (mm,deg,s) {B}\nP0010 MOVEL 0 900 600 0 0 0 {}\n"
 
@@ -167,7 +169,7 @@ def test_lenses_are_asked_for_again_when_motions_are_planned(tmp_path: Path):
 
 
 def test_fixes_of_a_whole_text(tmp_path: Path):
-    """All safe fixes at once, and new numbers, are source actions."""
+    """The source actions include all safe fixes at once, and new indices."""
     text = "ROBOT INDUSTRIAL6\nUSE PALLET\nP0020 MOVJ HOME [2] (s)\nP0010 MOVEJ 9 0 0 0 0 0 [2] (deg,s)\n"
 
     async def work(one: Editor) -> None:
@@ -192,7 +194,9 @@ def test_fixes_of_a_whole_text(tmp_path: Path):
 
 
 def test_typed_letter_by_letter_with_wide_characters(tmp_path: Path):
-    """Incremental changes behind umlauts and emoji keep both texts the same, and no request fails."""
+    """After incremental changes behind umlauts and emoji, client and server have the same text, and no
+    request fails.
+    """
     text = (
         "! Grüße 🤖 an alle\nROBOT INDUSTRIAL6\nDEFAULT {TCP} [50%] (mm,deg,s) {B}\n"
         'FRAME {A} 0 900 600 0 0 0 {B} ! 🤖ä\nP0010 HOLD "Tür 🚪 zu" ! ü\nP0020 MOVJE HOME ! 🤖 MOVJE\n'
@@ -243,7 +247,7 @@ def test_typed_letter_by_letter_with_wide_characters(tmp_path: Path):
 
 
 def test_editors_that_count_otherwise(tmp_path: Path):
-    """A client that prefers UTF-8 gets it."""
+    """A client that prefers UTF-8 gets positions in UTF-8."""
     text = 'ROBOT INDUSTRIAL6\nP0020 MOVJE HOME [1] (s) ! 🤖ä\nP0030 HOLD "ä🤖" [1]\n'
 
     async def work(one: Editor) -> None:

@@ -1,4 +1,4 @@
-"""Places as the protocol counts them."""
+"""Positions as the protocol counts them."""
 
 import pytest
 from hypothesis import given
@@ -44,7 +44,7 @@ def test_any_position_is_a_place(text: str, line: int, character: int, encoding:
 
 @given(before=TEXTS, put=TEXTS, encoding=st.sampled_from(ENCODINGS), data=st.data())
 def test_edits_do_what_they_say(before: str, put: str, encoding: str, data: st.DataObject):
-    """An edit between two offsets, told in positions, gives the text with that stretch replaced."""
+    """An edit between two offsets, given as positions, replaces exactly the text between them."""
     begin = data.draw(st.integers(0, len(before)))
     end = data.draw(st.integers(begin, len(before)))
     if any("\r\n" in before[at - 1 : at + 1] and before[at - 1 : at] == "\r" for at in (begin, end) if at):

@@ -1,4 +1,4 @@
-"""What the server keeps of the messages that it has dealt with: nothing."""
+"""The server keeps nothing of messages that it has handled."""
 
 import asyncio
 

@@ -1,4 +1,4 @@
-"""What the server writes into an editor's log: faults only."""
+"""The server writes only faults into an editor's log, no refusals."""
 
 import logging
 
@@ -21,7 +21,7 @@ def quiet():
 def test_only_faults_are_logged(quiet, caplog):
     protocol = JsonRPCProtocol.__new__(JsonRPCProtocol)
     protocol._request_futures = {}
-    protocol._handle_cancel_notification(7)  # answered before the editor gave it up
+    protocol._handle_cancel_notification(7)  # the editor cancels a request that was already answered
     for error in (Refusal("not this name"), ValueError("a fault")):
         try:
             raise error

@@ -1,4 +1,4 @@
-"""The server in a process of its own, as editors talk to it."""
+"""The server in a separate process, as editors talk to it."""
 
 import asyncio
 import json
@@ -43,7 +43,7 @@ def test_findings_are_sent_to_who_does_not_ask(tmp_path: Path):
 
 
 def test_nothing_flickers_while_somebody_types(tmp_path: Path):
-    """What planning has said stays, in its line, with the first that is sent behind an edit elsewhere."""
+    """After an edit elsewhere, the first message still contains the findings of planning, in their line."""
 
     async def work(one: Editor) -> None:
         document = one.open(tmp_path / "a.yarc", QUICK)
@@ -80,7 +80,7 @@ def test_findings_are_asked_for_and_never_sent(tmp_path: Path):
 
 
 def test_planned_findings_follow_for_who_can_ask_again(tmp_path: Path):
-    """A program that takes longer than a client should wait: what needs no planning comes first."""
+    """If planning takes longer than a client should wait, the findings that need no planning come first."""
     body = "P0001 MOVEJ 0 -10 -20 0 -60 0\n" + "".join(
         f"P{10 * n:04d} MOVEL {n % 7 * 20} 1000 {1060 + n % 5 * 10} -90 0 0\n" for n in range(1, 80)
     )
@@ -96,8 +96,8 @@ def test_planned_findings_follow_for_who_can_ask_again(tmp_path: Path):
 
 
 def test_descriptions_and_their_users(tmp_path: Path):
-    """cell.toml has findings of its own, and a program's are new when its module changes without being
-    saved.
+    """cell.toml has its own findings. If an open module changes without being saved, the findings of its
+    program change.
     """
 
     async def work(one: Editor) -> None:
@@ -119,8 +119,8 @@ def test_descriptions_and_their_users(tmp_path: Path):
 
 
 def test_users_of_a_changed_table(tmp_path: Path):
-    """A table of way-points counts as it is open; what is wrong with it is said in the programs that name
-    it.
+    """An open table of waypoints is read as it is in the editor. Its errors are reported in the programs
+    that name it.
     """
     rows = "time,J1,J2,J3,J4,J5,J6\n1,5,0,0,0,0,0\n3,9,0,0,0,0,0\n"
     (tmp_path / "path.csv").write_text(rows)
@@ -140,7 +140,7 @@ def test_users_of_a_changed_table(tmp_path: Path):
 
 
 def test_users_of_a_changed_robot_and_project(tmp_path: Path):
-    """A robot.toml and a yarc.toml count as they are open, before they are saved."""
+    """An open robot.toml and an open yarc.toml are read as they are in the editor, before they are saved."""
     library = Path(__file__).resolve().parents[2] / "stdlib" / "robots" / "industrial6"
     copytree(library, tmp_path / "arm")
     description = (tmp_path / "arm" / "robot.toml").read_text()
@@ -156,15 +156,15 @@ def test_users_of_a_changed_robot_and_project(tmp_path: Path):
         project = one.open(tmp_path / "yarc.toml", 'robot = "arm/robot.toml"\n')
         one.write(project, "rbot = 3\n")
         assert codes(await one.pulled(project)) == ["Y1393"]
-        assert codes(await one.pulled(user)) == ["Y1393"]  # of which nothing is saved
+        assert codes(await one.pulled(user)) == ["Y1393"]  # robot.toml is open, but not saved
         one.write(project, 'robot = "INDUSTRIAL6"\n[findings]\nY0205 = "error"\n')
-        assert codes(await one.pulled(user)) == ["Y0205"]  # for a robot that has no AWAY
+        assert codes(await one.pulled(user)) == ["Y0205"]  # the changed yarc.toml names a robot without AWAY
 
     run(work, capabilities(pull=True, refresh=False))
 
 
 def test_the_cell_of_an_open_project(tmp_path: Path):
-    """The cell of yarc.toml counts as it is open, and so does the cell's own file."""
+    """The cell that an open yarc.toml names is used, and an open cell file is read as it is in the editor."""
     cell = 'units = "mm,deg"\n[frames.TABLE]\nparent = "B"\nxyz = [0, 900, 800]\n'
     (tmp_path / "cell.toml").write_text(cell)
     (tmp_path / "yarc.toml").write_text('robot = "INDUSTRIAL6"\n')
@@ -218,7 +218,9 @@ def test_over_a_port(tmp_path: Path):
 
 
 def test_a_web_page_is_sent_away_from_the_port(tmp_path: Path):
-    """Its body would be a message of the protocol; the editor that comes behind it is served."""
+    """The body of a web page's POST is a valid message of the protocol, but isn't answered. The next editor
+    is served.
+    """
     asked = json.dumps({"jsonrpc": "2.0", "id": 1, "method": "initialize", "params": {"capabilities": {}}})
     body = f"Content-Length: {len(asked)}\r\n\r\n{asked}"
     page = f"POST / HTTP/1.1\r\nHost: x\r\nContent-Length: {len(body)}\r\n\r\n{body}"
@@ -278,7 +280,7 @@ def test_a_client_that_goes_away_ends_the_server():
 
 
 def test_nothing_grows_with_edits(tmp_path: Path):
-    """A line is typed to and fro, with questions in between."""
+    """A line is changed back and forth, with requests in between; the server's memory stays constant."""
 
     async def work(one: Editor) -> None:
         document = one.open(tmp_path / "a.yarc", FINE)

@@ -1,6 +1,4 @@
-"""A client of the server that sends and reads messages as they are: quick, and able to leave many
-questions open.
-"""
+"""A fast client of the server that sends and reads raw messages, and can leave many requests open."""
 
 import asyncio
 import json
@@ -12,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 ROBOT = "INDUSTRIAL6"
-"""The robot of texts that have lost their ROBOT line."""
+"""The robot for texts whose ROBOT line was removed."""
 
 COMMAND = (sys.executable, "-c", "from yarclang.cli.yarc import main; main()", "lsp", "--robot", ROBOT)
 
@@ -28,13 +26,13 @@ class Wire:
         self._number = 0
         self._open: dict[int, asyncio.Future[Answer]] = {}
         self.findings: dict[str, tuple[int, list[Any]]] = {}
-        """What was sent last of each text: its version, and the findings."""
+        """The last findings that were sent for each text, with the version of the text."""
         self.changed = asyncio.Event()
         self._reader = asyncio.ensure_future(self._read())
 
     @property
     def memory(self) -> float:
-        """What the server holds [MB]."""
+        """The server's memory [MB]."""
         status = Path(f"/proc/{self._process.pid}/status").read_text()
         return int(next(row for row in status.splitlines() if row.startswith("VmRSS")).split()[1]) / 1024.0
 
@@ -50,7 +48,7 @@ class Wire:
         return future
 
     def cancel(self) -> None:
-        """Take back the request that was sent last."""
+        """Cancel the last request."""
         self.tell("$/cancelRequest", {"id": self._number})
 
     async def end(self) -> None:
@@ -102,7 +100,7 @@ class Wire:
 
 @asynccontextmanager
 async def server(capabilities: dict[str, Any]) -> AsyncIterator[Wire]:
-    """Start a server, and end it; what it writes to standard error is a fault."""
+    """Start a server, and end it. Output of the server on standard error fails the test."""
     with tempfile.TemporaryFile() as told:
         process = await asyncio.create_subprocess_exec(
             *COMMAND,

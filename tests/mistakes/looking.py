@@ -1,4 +1,4 @@
-"""A mistake of the table as `yarc check` sees it, and what is wrong with the answer."""
+"""Checks of the answers that `yarc check` gives to the mistakes of the table."""
 
 from __future__ import annotations
 
@@ -15,13 +15,15 @@ _OPTIONS = Options(robot="INDUSTRIAL6")
 
 
 def checked(text: str):
-    """Return what is said of a program."""
+    """Return the result of checking a program."""
     return check_text(SourceFile("mistake.yarc", text), Path(__file__).parent, _OPTIONS)
 
 
 def faults_of(mistake: Mistake) -> list[str]:
-    """Return what is wrong with the answer: nothing, if it is one finding, in its place, that says what it
-    should and repairs what it can.
+    """Return the faults of the answer to a mistake.
+
+    A good answer is a single finding in the right place, with the required words and the right repair, if one
+    is likely.
     """
     looked = checked(mistake.text)
     found = [one for one in looked.diagnostics if one.severity != "note"]

@@ -1,4 +1,4 @@
-"""The mistakes of mistakes.txt, which says how they are written."""
+"""The mistakes of mistakes.txt, which explains their format."""
 
 from __future__ import annotations
 
@@ -7,19 +7,19 @@ from pathlib import Path
 
 HEAD = "DEFAULT {TCP} [5] (mm,deg,s) {B}"
 TAKEN = "-"
-"""Instead of words: the language takes it as it is."""
+"""Stands in place of required words if the language accepts the text as it is."""
 
 
 @dataclass(frozen=True)
 class Mistake:
-    """One mistake.
+    """A mistake of the table.
 
     Attributes:
-        name: what it is, in short.
-        lines: the program, with the place between « and ».
-        says: what a good answer says: of each group of alternatives one.
-        repair: what stands instead of the marked line after the one likely repair; empty: none is likely, or
-            more than one.
+        name: short description.
+        lines: lines of the program, with the place of the mistake between « and ».
+        says: groups of alternative words; a good answer contains one of each group.
+        repair: lines that replace the marked line in the one likely repair; empty if none is likely, or if
+            more than one is.
     """
 
     name: str
@@ -29,24 +29,24 @@ class Mistake:
 
     @property
     def is_taken(self) -> bool:
-        """Whether it is no mistake: the language takes it."""
+        """True if the text is no mistake, because the language accepts it."""
         return self.says == ((TAKEN,),)
 
     @property
     def text(self) -> str:
-        """The program without its mark."""
+        """The program without the marks « and »."""
         return "\n".join(self.lines).replace("«", "").replace("»", "") + "\n"
 
     @property
     def place(self) -> tuple[int, int, int, int]:
-        """Line, column, end line and end column of the mark."""
+        """Line, column, end line and end column of the marked place."""
         row = next(row for row, line in enumerate(self.lines) if "«" in line)
         begin = self.lines[row].index("«")
         return row + 1, begin + 1, row + 1, self.lines[row].index("»")
 
     @property
     def repaired(self) -> str | None:
-        """The program after the one likely repair."""
+        """The program after the one likely repair, or None."""
         if not self.repair:
             return None
         row = self.place[0] - 1

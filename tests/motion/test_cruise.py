@@ -1,5 +1,5 @@
-"""Motions at a given speed: the frame goes just so fast between its ramps, and these are as short as
-limits allow.
+"""Tests of motions at a given speed: between its ramps, the frame has this speed, and the ramps are as short
+as limits allow.
 """
 
 import numpy as np
@@ -19,7 +19,7 @@ def run(line, start=START):
 
 
 def speeds(plan, number=1):
-    """The frame's speed [mm/s] and angular speed [deg/s] at many instants, and these."""
+    """Return the frame's speed [mm/s] and angular speed [deg/s] at many instants, and these instants."""
     curve = plan.motions[number].curve
     robot = plan.robot
     times = np.linspace(0, curve.duration, 20 * curve.segments + 1)
@@ -47,7 +47,7 @@ def test_the_speed_is_kept_between_the_ramps(name, law):
     assert found == []
     speed, _, times = speeds(plan)
     assert speed.max() <= wanted * 1.001
-    # a ramp ends where the speed is reached first, and begins where it is left
+    # From the first to the last sample at the requested speed: the cruise between the two ramps.
     reached = np.flatnonzero(speed > wanted * 0.999)
     assert speed[reached[0] : reached[-1]].min() > wanted * 0.999
     assert times[reached[-1]] - times[reached[0]] > 0.5 * times[-1]
@@ -65,7 +65,7 @@ def test_a_pure_turn_has_an_angular_speed():
 @settings(max_examples=15)
 @given(st.floats(5, 300))
 def test_the_time_is_that_of_the_way_and_one_blend(wanted):
-    """Speeding up and slowing down together cost as much time as one of them lasts."""
+    """The duration is that of the path at the speed, plus the duration of one ramp."""
     plan, found = run(f"P0020 DMOVE 0 0 -150 0 0 0 [V {wanted:.3f}]")
     assert found == []
     duration = plan.motions[1].curve.duration
@@ -111,6 +111,29 @@ def test_a_speed_that_is_named_works():
     fixed = fast[: edit.span.column - 1] + edit.text + fast[edit.span.end_column - 1 :]
     assert run(fixed)[1] == []
     value = float(edit.text[2:-1])
-    # 5 % more breaks a limit, or isn't reached, which the certificate says of the text
+    # With 5 % more, a limit would be exceeded, or the certificate says that the speed isn't reached.
     _, found = compiled(f"{START}{fast.replace('5000', f'{value * 1.05:g}')}\n")
     assert found[0].code in ("Y0605", "Y0610")
+
+
+@pytest.mark.parametrize("x", ["0.0001", "0.0002", "0.0009"])
+def test_a_turn_whose_origin_moves_only_by_rounding_is_a_turn(x):
+    """The origin moves by 0.0001 mm in a rotation of 2 deg. Its speed would be useless and couldn't be
+    proved.
+    """
+    made, found = compiled(f"{START}P0020 MOVEL {x} 1174.4 1176 0 0 2 [V 5]\n")
+    assert found == ()
+    assert speeds(made.plan)[1].max() == pytest.approx(5, rel=1e-3)
+    assert made.plan.motions[1].kept == 1.0
+
+
+def test_a_turn_whose_origin_moves_only_by_rounding_in_a_chain():
+    lines = "".join(
+        f"P00{20 + 10 * place} MOVEL {x} 1174.4 1176 0 0 {angle} [V 20] TOL 0.05{blend}\n"
+        for place, (x, angle, blend) in enumerate(
+            ((2, 0, " BLEND 0.3"), (4, 1, " BLEND 0.3"), (4.0001, 2, " BLEND 0.3"), (6, 3, ""))
+        )
+    )
+    made, found = compiled(START + lines)
+    assert made is not None
+    assert [one for one in found if one.is_error] == []

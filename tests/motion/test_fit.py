@@ -1,4 +1,4 @@
-"""Laws, curves and the fit of both to the controller's segments."""
+"""Tests of laws, curves, and fitting both to the controller's segments."""
 
 import numpy as np
 import pytest
@@ -41,7 +41,7 @@ def test_the_executed_law_tends_to_the_pure_one(profile, segments):
     form = tuple(law.forms(segments)[0].tolist())
     slack = {"TOPP": 4.0, "SCURVE": 1.0}.get(
         profile.name, 0.2
-    )  # two segments more; a ramp of a quarter, rounded
+    )  # two more segments; a ramp of a quarter is rounded
     assert np.abs(knot_values(law.control(segments, form)) - pure).max() < slack / segments
 
 
@@ -94,8 +94,8 @@ def test_the_curve_passes_through_its_knots(segments, ends, seed):
 @pytest.mark.parametrize("profile", ["LSPB", "POLY5"])
 @pytest.mark.parametrize("way", [0.01, 1, 20, 150])
 def test_the_shortest_time_uses_a_limit_up_and_loses_little(profile, way):
-    """Against the pure law in continuous time, which needs no ramps: at TM up to 50 the grid may cost some
-    segments.
+    """Compare the shortest duration with that of the ideal law in continuous time. A plan may be longer by a
+    few segments, since its duration is a number of segments of up to 50 ms.
     """
     plan, diagnostics = planned(f"P0010 MOVEJ_{profile} {way} 0 0 0 0 0 [MIN] (deg)\n")
     assert not [one for one in diagnostics if one.is_error]
@@ -103,7 +103,7 @@ def test_the_shortest_time_uses_a_limit_up_and_loses_little(profile, way):
     needed = [way * peaks[0] / 60, (way * peaks[1] / 240) ** 0.5]
     if peaks[2]:
         needed.append((way * peaks[2] / 2000) ** (1 / 3))
-    # the quintic's jerk is largest at the very ends, where the grid evens it out over a segment
+    # The jerk of the quintic is largest at both ends, where the grid averages it over a segment.
     assert plan.duration >= max(needed) * (0.97 if profile == "LSPB" else 0.8)
     assert plan.duration <= max(*needed, 4 * 0.0045) * 1.35 + 0.25
 
@@ -161,7 +161,9 @@ P0060 DMOVEJ 0.000001 0 0 0 0 0"""
 @pytest.mark.parametrize("profile", PROFILES, ids=lambda one: one.name)
 @pytest.mark.parametrize("way", np.geomspace(0.001, 1, 8))
 def test_a_few_segments_more_would_not_be_faster(profile, way):
-    """The shortest time of a short motion too: there one segment more or less is much."""
+    """The time of a short motion can't be reduced by a few more segments. For a short motion, one segment
+    makes a large difference.
+    """
     bounds = BOUNDS if profile.has_jerk_limit else BOUNDS.without_jerk()
     grid, path = Grid(0.004, 0.05, 2.0**-12 * 1e-3), JointPath(np.zeros(2), np.array([way, -0.4 * way]))
     found = fit(path, profile, None, BOUNDS, grid, Tolerance())

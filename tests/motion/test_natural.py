@@ -1,4 +1,4 @@
-"""The natural cubic spline against scipy's."""
+"""Test of the natural cubic spline, by comparison with scipy's."""
 
 import numpy as np
 import pytest

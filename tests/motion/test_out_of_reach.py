@@ -1,5 +1,5 @@
-"""How far poses are out of reach is searched for a few commands of a program, and for the first round of a
-loop.
+"""Tests of the search for how far poses are out of reach. It is made only for a few commands of a program,
+and in the first pass of a loop.
 """
 
 import re
@@ -15,7 +15,7 @@ from yarclang.source import SourceFile
 
 HEAD = "ROBOT INDUSTRIAL6\nDEFAULT {TCP} [5] (mm,deg,s) {B}\nP0010 MOVEJ_RPY 0 1074.4 1176 0 0 0\n"
 MOST = 3.0
-"""Of the processor, for a check [s]: a quiet machine takes a quarter of it."""
+"""Longest processor time of a check [s]. An idle computer takes a quarter of it."""
 
 
 def found_in(program):
@@ -31,7 +31,7 @@ def test_the_rounds_of_a_loop_share_one_search(word, count):
     (one,) = found_in(f"REPEAT I {count}\nP0020 {word} $(3000 + I) 1074.4 1176 0 0 0\nEND")
     assert one.code == "Y0501"
     assert re.fullmatch(
-        rf"out of reach by [\d,]+ mm \(at P0020\(I=0\), and {count - 1} more times\)", one.message
+        rf"the pose is out of reach by [\d,]+ mm \(at P0020\(I=0\), and {count - 1} more times\)", one.message
     )
 
 

@@ -1,4 +1,6 @@
-"""Which configuration a target is taken in: the nearest, or another one where a later motion needs it."""
+"""Tests of choosing the configuration of a target: the nearest one, or another one if a later motion needs
+it.
+"""
 
 import numpy as np
 import pytest
@@ -14,7 +16,7 @@ LINE = "P0030 MOVEL 900 400 900 0 0 -90\n"
 
 
 def applied(text, fix):
-    """A text with a fix's edits made, the last first."""
+    """Return a text with the edits of a fix, made from the last to the first."""
     lines = text.splitlines(keepends=True)
     for edit in sorted(fix.edits, key=lambda one: (one.span.line, one.span.column), reverse=True):
         line = lines[edit.span.line - 1]
@@ -73,7 +75,7 @@ def test_it_reaches_back_over_what_follows_from_it():
 
 
 def test_a_written_position_between_ends_it():
-    """What follows a joint position starts from there: no earlier choice is to blame."""
+    """A motion after a given joint position begins there, so no earlier choice can be the cause."""
     _, diagnostics = planned(HEAD + AWAY + TARGET + "P0025 MOVEJ NEARER\n" + LINE.replace("400", "500"))
     assert "Y0802" not in codes(diagnostics)
 
@@ -97,7 +99,9 @@ def test_inside_a_way_of_a_when():
 
 
 def test_what_came_before_a_when_is_fixed_behind_it():
-    """Both ways start from the target: what follows the WHEN doesn't choose it anew."""
+    """Both branches of the WHEN begin at the target. A motion after the WHEN doesn't change the target's
+    configuration.
+    """
     ways = "WHEN DOOR ON\nP0025 WAIT [1]\nEND\n"
     _, diagnostics = planned(HEAD + AWAY + TARGET + ways + LINE)
     assert codes(diagnostics) == ["Y0801"]
@@ -117,7 +121,7 @@ def test_in_a_loop_each_place_is_judged_and_one_finding_told():
     assert {one.code for one in diagnostics} == {"Y0802"}
     turns = ends(plan)[1::3, 0]
     assert turns == pytest.approx([-90] * 3)
-    # a fix of one place would change all
+    # No fix is offered, because a change of one line would change all passes.
     assert all(one.fix is None for one in diagnostics)
 
 

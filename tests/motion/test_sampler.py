@@ -1,4 +1,4 @@
-"""Many curves are sampled together as each by itself."""
+"""Test that many curves sampled together give the same values as each one alone."""
 
 import numpy as np
 from hypothesis import given, settings

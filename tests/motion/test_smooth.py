@@ -1,4 +1,6 @@
-"""Joint positions as polynomials: as exact as the inverse kinematics, and none where that can't be."""
+"""Tests of joint paths as polynomials: they are as exact as the inverse kinematics, and no polynomial is
+returned if this is impossible.
+"""
 
 import numpy as np
 import pytest
@@ -47,7 +49,7 @@ def test_a_deviation_is_bounded(name):
 
 
 def test_a_path_close_to_a_singularity_has_none_or_an_exact_one():
-    # the wrist is straight at joint 5 = 0, and passed ever more closely
+    # The wrist is straight at joint 5 = 0. The path passes this position more and more closely.
     for away in (3.0, 0.3, 0.03, 0.003):
         plan, _ = planned(
             "DEFAULT {TCP} [60] (mm,deg,s) {B}\n"

@@ -1,4 +1,4 @@
-"""Timetables fitted to the controller's segments."""
+"""Tests of timetables that are fitted to the controller's segments."""
 
 import numpy as np
 import pytest
@@ -33,7 +33,7 @@ def test_the_duration_is_divided_with_at_most_a_millisecond_more(duration, share
     assert segment >= GRID.smallest - 1e-12
     assert segment / QUANTUM == pytest.approx(round(segment / QUANTUM), abs=1e-6)
     assert -1e-9 <= segments * segment - duration <= LATE
-    # never by far more segments than are wanted
+    # The number of segments isn't much larger than wanted.
     assert segments <= max(4, np.ceil(duration / wanted)) + 4096
 
 
@@ -104,7 +104,7 @@ def test_where_a_table_begins_says_where_the_robot_has_to_stand():
 
 
 def test_a_computed_stretch_is_left_to_people():
-    """The number would be written over the name."""
+    """A fix would replace the name by a number, so none is offered."""
     program = "DEFAULT (deg,s)\nLET F = 1.1\nP0010 MOVEJ_TIMED 60 0 0 0 0 0 [1] STRETCH $F"
     _, (finding,) = compiled(program)
     assert finding.code == "Y0616"

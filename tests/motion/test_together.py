@@ -1,4 +1,4 @@
-"""Motions that are worked out together come out as each by itself."""
+"""Test that motions planned together equal those planned one by one."""
 
 from random import Random
 
@@ -72,7 +72,7 @@ def test_one_motion_after_the_other_is_worked_out_in_growing_runs():
 
 
 def chain(seed):
-    """Return a long chain of short lines and arcs, which turn in every other program."""
+    """Return a long chain of short lines and arcs. In every second program, they have rotations."""
     random = Random(seed)
     x, y, z, turn = 40.0, 1000.0, 1000.0, 0.0
     rows = ["DEFAULT {TCP} [V 20] (mm,deg,s) {B}\n", f"P0001 MOVEJ_RPY {x} {y} {z} 0 0 0 [3]\n"]

@@ -1,4 +1,4 @@
-"""Laws of ramps, blends and a cruise, against their definition in continuous time."""
+"""Tests of laws with ramps, blends and a cruise, by comparison with their definition in continuous time."""
 
 import numpy as np
 import pytest
@@ -17,11 +17,13 @@ def forms(draw):
 
 
 def integrated(times, accelerations, at):
-    """The second integral of a piecewise linear acceleration at knots `at`, both zero at first."""
+    """Return the second integral of a piecewise linear acceleration at the knots `at`. Velocity and position
+    are zero at the beginning.
+    """
     fine = np.arange(at[-1] * 20 + 1) / 20
     a = np.interp(fine, times, accelerations)
     v = np.concatenate(([0], np.cumsum((a[1:] + a[:-1]) / 2))) / 20
-    # exact for linear accelerations: v + a h / 2 less a sixth of the change
+    # Exact for linear accelerations, with h = 1/20: v h + a h^2 / 2, plus the change of a times h^2 / 6.
     x = np.concatenate(([0], np.cumsum(v[:-1] / 20 + a[:-1] / 800 + np.diff(a) / 2400)))
     return x[::20]
 
@@ -43,7 +45,7 @@ def test_the_trapezoid_is_its_law_exactly(form):
         segments,
     ]
     heights = np.array([0, 1, 1, 0, 0, -1, -1, 0]) * top
-    if 2 * blend == segments:  # no cruise: two corners in one
+    if 2 * blend == segments:  # without a cruise, two corners coincide
         corners = corners[:4] + corners[5:]
         heights = np.delete(heights, 4)
     assert acceleration == pytest.approx(np.interp(np.arange(segments + 1), corners, heights), abs=1e-12)
@@ -68,7 +70,7 @@ def test_a_cruise_takes_what_is_asked(segments, share, steepness):
     assert np.all(control[:3] == 0)
     assert np.all(control[-3:] == 1)
     assert steps.min() > -1e-12
-    # never faster than the cruise, and as fast between the two blends
+    # The speed is never above the cruise speed, and equals it between the two blends.
     assert steps.max() == pytest.approx(1 / cruise, rel=1e-9)
     blend = segments - cruise
     middle = steps[int(np.ceil(blend)) + 2 : -int(np.ceil(blend)) - 2]

@@ -1,5 +1,5 @@
-"""A pendant at a simulated robot in virtual time, and browsers that talk to its application without a
-network.
+"""Fixtures: a pendant at a simulated robot in virtual time, and browsers that call the pendant's application
+without a network.
 """
 
 import asyncio
@@ -20,7 +20,7 @@ HOST = "localhost:8080"
 
 
 class Inline(Database):
-    """A file that is written in the same thread: a thread knows no virtual time."""
+    """Database that writes in the calling thread, because another thread wouldn't run in virtual time."""
 
     async def call(self, do, *arguments, **named):
         await asyncio.sleep(0)
@@ -39,7 +39,7 @@ class Answered:
 
 
 class Socket:
-    """One WebSocket of a browser; `code` is why it was closed."""
+    """A WebSocket of a browser. `code` is the code with which it was closed."""
 
     def __init__(self, app, path, headers, scheme="ws"):
         self._incoming = asyncio.Queue()
@@ -58,8 +58,15 @@ class Socket:
         text = content if isinstance(content, str) else json.dumps(content)
         self._incoming.put_nowait({"type": "websocket.receive", "text": text})
 
+    def say_bytes(self, content):
+        self._incoming.put_nowait({"type": "websocket.receive", "bytes": content})
+
+    async def ended(self):
+        """Wait until the application has ended with this WebSocket."""
+        await asyncio.wait_for(self._task, 30.0)
+
     async def hear(self):
-        """Return the next message; None at the end."""
+        """Return the next message; None when the socket is closed."""
         while True:
             message = await asyncio.wait_for(self._outgoing.get(), 30.0)
             if message["type"] == "websocket.close":
@@ -68,7 +75,7 @@ class Socket:
                 return json.loads(message["text"])
 
     def waiting(self):
-        """Return all that was sent and not looked at."""
+        """Return all messages that have arrived and weren't read yet."""
         found = []
         while not self._outgoing.empty():
             message = self._outgoing.get_nowait()
@@ -77,7 +84,7 @@ class Socket:
         return found
 
     async def until(self, wanted):
-        """Return the next message for which something holds."""
+        """Wait for the next message that fulfils a condition, and return it."""
         while (message := await self.hear()) is not None:
             if wanted(message):
                 return message
@@ -111,7 +118,7 @@ def scope_of(kind, path, headers, scheme, method="GET"):
 
 @dataclass
 class Browser:
-    """What one browser sends: `session` is None where nobody is logged in."""
+    """A browser that sends requests. `session` is its user's session; None if nobody is logged in."""
 
     app: object
     cookies: dict = field(default_factory=dict)
@@ -157,7 +164,7 @@ class Browser:
 
 @dataclass
 class Pendant:
-    """A pendant: its application, its service, the coordinator and the world of its robot."""
+    """A pendant: its application, its service, the coordinator, and the simulated world of its robot."""
 
     app: object
     service: Service
@@ -168,7 +175,9 @@ class Pendant:
         return Browser(self.app)
 
     def logged_in(self, user, role=Role.SERVICE):
-        """Return a browser where somebody is logged in, without a password: those take real time."""
+        """Return a browser in which a user is logged in, without checking a password, since this takes real
+        time.
+        """
         accounts = self.service.accounts
         if accounts.database.now(people.user_called, user) is None:
             accounts.database.now(people.add_user, people.User(user, role, "none", None))
@@ -178,14 +187,27 @@ class Pendant:
         return Browser(self.app, {"yarc_session": token}, session=session)
 
     def deeds(self):
-        """Return action and outcome of each deed, the oldest first."""
+        """Return all entries of the audit trail as (user, action, detail, outcome), oldest first."""
         found = self.service.accounts.database.now(people.deeds, None, 1000)
         return [(deed.user, deed.action, deed.detail, deed.outcome) for _, _, deed in reversed(found)]
+
+    def slow_disk(self, monkeypatch, seconds):
+        """Let each change of the database take a time."""
+        database = self.service.accounts.database
+        call = database.call
+
+        async def slow(do, *arguments, **named):
+            await asyncio.sleep(seconds)
+            return await call(do, *arguments, **named)
+
+        monkeypatch.setattr(database, "call", slow)
 
 
 @contextlib.asynccontextmanager
 async def pendant(monkeypatch, folder, *, project=None, **options):
-    """Serve a pendant; the coordinator's owner of the tests gives the robot away at first."""
+    """Serve a pendant. The coordinator's initial owner gives up the robot, so that a user can
+    take control.
+    """
     monkeypatch.setattr("yarclang.pendant.accounts.accounts.Database", Inline)
 
     async def inline(function, *arguments):

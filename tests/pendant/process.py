@@ -1,4 +1,4 @@
-"""`yarc pendant` as a process of its own, and the smallest client of its API."""
+"""Fixtures: `yarc pendant` in a process of its own, and a minimal client of its API."""
 
 import http.cookiejar
 import json
@@ -15,7 +15,7 @@ PROGRAM = "P0010 MOVEJ 20 0 0 0 30 0 [6] (deg,s)\nP0020 MOVEJ HOME [6] (deg,s)\n
 
 
 class Api:
-    """A client: requests with a cookie."""
+    """Client that sends requests with the cookie of its session."""
 
     def __init__(self, url):
         self.url = url.rstrip("/")
@@ -46,8 +46,8 @@ class Api:
 
 @contextmanager
 def serving(folder, *options, robot="INDUSTRIAL6", own=True):
-    """Serve a pendant; yield its address, the token of the first link (empty: there is a user), and the
-    process. `own`: with a simulator of its own.
+    """Serve a pendant in a process of its own. Yield its address, the token of the one-time link (empty if
+    there is a user already), and the process. With `own`, the pendant has a simulator of its own.
     """
     script = "from yarclang.cli.yarc import main; main()"
     command = [sys.executable, "-c", script, "pendant", "--robot", robot, "--port", "0"]
@@ -76,7 +76,7 @@ def serving(folder, *options, robot="INDUSTRIAL6", own=True):
 
 
 def first(url, token, name="anna"):
-    """Make the first user, and return a client where that one is logged in."""
+    """Create the first user, and return a client that is logged in as this user."""
     api = Api(url)
     api.call("POST", "/api/first", {"token": token, "user": name, "password": PASSWORD, "pin": PIN})
     return api

@@ -1,4 +1,4 @@
-"""Users, sessions, PINs, and the file that keeps them, with what happens to files."""
+"""Tests of users, sessions, PINs and their database, including damage to its file."""
 
 import asyncio
 import os
@@ -32,7 +32,7 @@ class Clock:
 
 @pytest.fixture(autouse=True)
 def quick(monkeypatch):
-    """Hashes that take no time; what argon2 does has a test of its own."""
+    """Replace the password hashes by fake ones that take no time. argon2id has a test of its own."""
     monkeypatch.setattr("yarclang.pendant.accounts.accounts.hashed", lambda secret: f"hash of {secret}")
     monkeypatch.setattr(
         "yarclang.pendant.accounts.accounts.is_secret", lambda kept, secret: kept == f"hash of {secret}"
@@ -40,7 +40,7 @@ def quick(monkeypatch):
 
 
 def trial(tmp_path, work, *, fresh=False, **clocks):
-    """Carry work out with accounts where anna is the first user."""
+    """Run a test coroutine with accounts; anna is their first user, unless `fresh`."""
 
     async def whole():
         accounts = Accounts(tmp_path / "data" / "pendant.db", **clocks)
@@ -104,7 +104,7 @@ def test_five_wrong_passwords_slow_down(tmp_path):
 
     async def work(accounts):
         for _ in range(FREE):
-            with pytest.raises(Trouble, match="belong together"):
+            with pytest.raises(Trouble, match="the name or the password is wrong"):
                 await login(accounts, password="wrong")
         with pytest.raises(TooMany):
             await login(accounts)
@@ -116,8 +116,8 @@ def test_five_wrong_passwords_slow_down(tmp_path):
 
 
 def test_nobody_locks_others_out(tmp_path):
-    """Whoever guesses, from the same address even, doesn't keep anna from the device that she uses every
-    day.
+    """Wrong passwords, even from her own network address, don't lock anna out of a device that she has used
+    before.
     """
     clock = Clock()
 
@@ -132,7 +132,7 @@ def test_nobody_locks_others_out(tmp_path):
         session, _, same = await login(accounts, device=device)
         assert session.user == "anna"
         assert same == device
-        # and from elsewhere she has to wait for nothing, either
+        # at another address, too, anna can log in at once
         await login(accounts, address="10.0.0.7")
 
     trial(tmp_path, work, now=clock)
@@ -219,7 +219,7 @@ def test_sessions_outlast_a_restart_but_no_clock_that_is_set_back(tmp_path, late
 
     async def after(accounts):
         assert (accounts.session_of(token) is not None) == goes_on
-        if goes_on:  # and it ends when it would have
+        if goes_on:  # after the restart, the session still ends at its original time
             now.now += LONGEST
             assert accounts.session_of(token) is None
 
@@ -319,7 +319,9 @@ def test_the_audit_trail_is_never_changed(tmp_path):
 
 
 def test_a_full_disk(tmp_path):
-    """What can't be written down isn't done; a stop, which doesn't wait for the disk, is."""
+    """On a full disk, actions that can't be recorded in the audit trail are refused. A stop is executed
+    anyway.
+    """
 
     async def work(accounts):
         def fill(connection):
@@ -342,6 +344,27 @@ def test_a_full_disk(tmp_path):
         await accounts.did(people.Deed("anna", "::1", "run"))
         assert accounts.trouble is None
         assert not accounts.is_over(session)
+
+    trial(tmp_path, work)
+
+
+@pytest.mark.parametrize("is_replaced", [False, True])
+def test_a_file_that_was_removed_while_it_was_in_use(tmp_path, is_replaced):
+    """SQLite writes to a removed file without an error, and the audit trail would be lost without a word."""
+
+    async def work(accounts):
+        path = accounts.database.path
+        kept = path.with_suffix(".kept")
+        path.rename(kept)
+        if is_replaced:
+            path.touch()
+        with pytest.raises(Trouble, match="was removed or replaced") as caught:
+            await accounts.did(people.Deed("anna", "here", "run"))
+        assert "restart the pendant" in caught.value.remedy
+        assert accounts.trouble is not None
+        kept.replace(path)
+        await accounts.did(people.Deed("anna", "here", "run"))
+        assert accounts.trouble is None
 
     trial(tmp_path, work)
 
@@ -375,7 +398,9 @@ def test_a_damaged_file_is_one_clear_error(tmp_path, damage):
 
 
 def test_it_is_whole_after_kill_9(tmp_path):
-    """A process writes deeds and says each that is written; it is killed, again and again."""
+    """A process that writes audit entries, and reports each written one, is killed several times. No reported
+    entry is lost.
+    """
     place = tmp_path / "pendant.db"
     writes = (
         "import sys\n"

@@ -1,5 +1,5 @@
-"""Alarms: what is one, what is kept of it, who acknowledges it; floods, hostile texts, a file that can't
-be written.
+"""Tests of alarms: their causes, what is stored of them, acknowledgement, floods of alarms, hostile texts,
+and a file that can't be written.
 """
 
 import asyncio
@@ -39,7 +39,7 @@ def at(monkeypatch, tmp_path, work):
 
 
 async def moving(place, person, name="bend.yarc", text=PROGRAM):
-    """Run a program; return once the robot moves on its second line."""
+    """Run a program. Return when the robot moves on the program's second line."""
     (place.service.files.folder.root / name).write_text(text)
     assert (await person.post("/api/control")).told["given"]
     number = (await person.order("load", file=name, approach=True)).told["program"]["number"]
@@ -79,7 +79,8 @@ def test_a_lost_connection_is_one_alarm_with_all_that_was_known(monkeypatch, tmp
         assert [one["name"] for one in alarm["joints"]] == ["J1", "J2", "J3", "J4", "J5", "J6"]
         assert 0.0 < alarm["joints"][0]["value"] < 20.0
         assert len(alarm["flange"]) == 16
-        # acknowledged, it stays as long as it holds; cleared, it is gone from the bar
+        # An acknowledged alarm stays in the bar while its fault is present, and disappears when the fault is
+        # cleared.
         number = alarm["number"]
         done = await olaf.post("/api/alarms/acknowledge", {"numbers": [number]})
         assert done.told == {"count": 1}
@@ -129,7 +130,7 @@ def test_who_may_acknowledge_and_two_at_once(monkeypatch, tmp_path):
         people = [place.logged_in(name, Role.OPERATOR) for name in ("olaf", "otto")]
         vic = place.logged_in("vic", Role.VIEWER)
         for number in range(3):
-            place.coordinator.tell(f"something delays this computer {number}", warning=True)
+            place.coordinator.tell(f"this computer or the link is too slow{number}", warning=True)
         await asyncio.sleep(0.2)
         told = await listed(vic)
         assert [one["what"][-1] for one in told["alarms"]] == ["2", "1", "0"]
@@ -144,7 +145,8 @@ def test_who_may_acknowledge_and_two_at_once(monkeypatch, tmp_path):
             *(one.post("/api/alarms/acknowledge", {"numbers": [second, 10**12, -1]}) for one in people)
         )
         assert sum(one.told["count"] for one in answers) == 1
-        # one that came after somebody looked isn't acknowledged unseen
+        # An alarm that was raised after the user's last look at the list isn't acknowledged with the listed
+        # ones.
         place.coordinator.tell("something new", warning=True)
         await asyncio.sleep(0.2)
         assert (await people[0].post("/api/alarms/acknowledge", {"up_to": third})).told["count"] == 2
@@ -227,7 +229,7 @@ def test_a_locked_or_full_file_stays_whole(tmp_path):
         other.execute("BEGIN IMMEDIATE")
         with pytest.raises(Trouble, match="locked") as told:
             await asyncio.wait_for(database.call(kept.write_alarms, [alarm(1)], []), 30.0)
-        assert told.value.remedy == "another program has opened the file: end that one"
+        assert told.value.remedy == "another program has opened the file: end that program"
         other.execute("ROLLBACK")
         await database.call(kept.write_alarms, [alarm(1), alarm(2)], [])
         other.execute("UPDATE alarms SET stood = 'no JSON' WHERE number = 1")
@@ -235,7 +237,7 @@ def test_a_locked_or_full_file_stays_whole(tmp_path):
         assert await database.call(kept.kept_alarms, 10) == (alarm(2),)
         await database.call(
             lambda one: one.execute("PRAGMA max_page_count = 1")
-        )  # what there is, and no more
+        )  # don't let the file grow beyond its present size
         many = [alarm(number) for number in range(3, 2000)]
         with pytest.raises(Trouble, match="full") as told:
             await database.call(kept.write_alarms, many, [])
@@ -267,7 +269,7 @@ def test_alarms_outlast_a_restart(monkeypatch, tmp_path):
     async def second(place):
         await asyncio.sleep(1.0)
         (one,) = (await listed(place.logged_in("anna")))["alarms"]
-        # nobody has acknowledged it, and it doesn't hold any more
+        # The alarm isn't acknowledged, but its fault is no longer present.
         assert one["code"] == "Y1606"
         assert not one["holds"]
         assert one["count"] == 1
@@ -309,7 +311,7 @@ def test_what_holds_is_told_by_its_source(monkeypatch, tmp_path):
         again = asyncio.ensure_future(alarms.watch(place.service.watched.attached))
         await asyncio.sleep(0.6)
         assert await sources() == {"disk", "audit"}
-        # what can't be written in the audit trail isn't done
+        # If the audit trail can't be written, acknowledging is refused.
         place.service.accounts.trouble, alarms.low = None, str
         await asyncio.sleep(0.6)
         assert await sources() == set()
@@ -333,7 +335,7 @@ def test_a_flood_reaches_pages_and_the_file(monkeypatch, tmp_path):
         for number in range(10_000):
             place.coordinator.tell(f"text {number}", warning=True)
             if number % 50 == 0:
-                await asyncio.sleep(0.3)  # a minute in all
+                await asyncio.sleep(0.3)  # altogether the events take a minute
         await asyncio.sleep(2.0)
         shown = await page.until(lambda one: one.get("event") == "display" and one["alarm"]["open"] == 10_000)
         assert shown["alarm"]["text"] == "text 9999"
@@ -408,7 +410,8 @@ def test_the_book_agrees_with_itself(given_deeds):
         if book.changed:
             assert book.version >= version
         version = book.version
-        for number in book.changed:  # what is written is what is known
+        # write the changed alarms, and check that the written ones equal the book's
+        for number in book.changed:
             if (one := book.get(number)) is None:
                 written.pop(number, None)
             else:

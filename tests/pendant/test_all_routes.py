@@ -1,5 +1,5 @@
-"""Every route of the API against what browsers never send: nobody logged in, other sites, bodies by
-chance. None of it is a 5xx or a hang.
+"""Tests of each route of the API with requests that no browser sends: without a login, from other sites, with
+random bodies. No response is a 5xx, and none hangs.
 """
 
 import asyncio
@@ -17,7 +17,7 @@ from yarclang.pendant.web.app import ROUTES
 
 OPEN = {"/api/me", "/api/first", "/api/login", "/api/logout"}
 ENDS = {"/api/system/restart", "/api/system/shut-down", "/api/logout"}
-"""Routes that end what the test goes on with."""
+"""Routes that would end the process or the session of the test."""
 PATHS = ("a.yarc", "..%2f..%2fetc%2fpasswd", "%00", "x" * 3000, "\u202e", "sub/../a.yarc", "-1", "NaN")
 BODIES = (
     b"",
@@ -57,7 +57,7 @@ def at(monkeypatch, tmp_path, work):
 
 
 async def asked(browser, route, raw=b"{}", value="a.yarc", **options):
-    """Send a request; answers come within the bound, and are no 5xx."""
+    """Send a request, and check that the response comes in time and isn't a 5xx."""
     answer = await asyncio.wait_for(
         browser.ask(route.method, path_of(route, value), raw=raw, **options), 120.0
     )
@@ -95,7 +95,8 @@ def test_viewers_reach_only_what_is_theirs(monkeypatch, tmp_path):
                 example = {} if route.body is None else least(route.body.model_json_schema())
                 answer = await asked(eve, route, json.dumps(example).encode())
                 assert answer.status in (400, 403), (role, route.path, answer.status)
-                # what isn't understood says nothing of what is there
+                # The refusal of a malformed request has less than 1,000 bytes, so it can't contain other
+                # data.
                 if answer.status == 400:
                     assert len(answer.content) < 1000
             changed = [action for _, action, _, outcome in place.deeds()[before:] if outcome == "done"]
@@ -105,7 +106,7 @@ def test_viewers_reach_only_what_is_theirs(monkeypatch, tmp_path):
 
 
 def least(schema, whole=None):
-    """Return something small that a schema allows."""
+    """Return a small value that a JSON schema allows."""
     whole = whole or schema
     if "$ref" in schema:
         return least(whole["$defs"][schema["$ref"].rpartition("/")[2]], whole)

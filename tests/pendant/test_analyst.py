@@ -1,4 +1,6 @@
-"""The analyst of a page: what passes between both, attacked, and the life of its process."""
+"""Tests of a page's analyst (language server): the filter of its messages, attacks on the filter, and the
+life of the analyst's process.
+"""
 
 import contextlib
 import json
@@ -79,7 +81,7 @@ def passing(tmp_path):
     ],
 )
 def test_files_elsewhere_are_refused(passing, uri):
-    """A page can't open them, nor ask about one that it hasn't opened."""
+    """A page can neither open files outside of the project, nor ask about a file that it hasn't opened."""
     with pytest.raises((Trouble, ValueError)) as refused:
         passing.to_analyst(opening(uri))
     assert isinstance(refused.value, Trouble) or "null" in str(refused.value)
@@ -141,7 +143,9 @@ VALUES = st.recursive(
 @given(st.sampled_from([*REQUESTS, *NOTIFICATIONS]), VALUES, st.none() | st.integers(-2, 2))
 @settings(max_examples=300, deadline=None)
 def test_whatever_passes_is_about_files_of_the_project(method, params, number):
-    """Any message is refused, or what the analyst gets of it names no file but those that are open."""
+    """Any message is either refused, or passed to the analyst with no other files than those that the page
+    has open.
+    """
     folder = Path("/nowhere/project")
     passing = Passing(folder, inside_of(folder))
     content = {"method": method, "params": params} | ({} if number is None else {"id": number})
@@ -163,7 +167,7 @@ def test_bounds(passing):
     asked = {"textDocument": {"uri": "yarc:///0/%C3%A4 %25.yarc"}}
     for number in range(MOST_ASKED):
         passing.to_analyst(said("textDocument/formatting", asked, number))
-    with pytest.raises(Trouble, match="too many questions"):
+    with pytest.raises(Trouble, match="too many requests"):
         passing.to_analyst(said("textDocument/formatting", asked, 1000))
 
 
@@ -186,7 +190,8 @@ def test_what_an_analyst_says_is_for_its_page_alone(passing):
     told = passing.to_page({"id": 5, "result": actions})
     assert [one["title"] for one in told["result"]] == ["good"]
     assert list(told["result"][0]["edit"]["changes"]) == ["yarc:///a.yarc"]
-    assert passing.to_page({"id": 5, "result": actions}) is None  # answered
+    # the request with this id has been answered before
+    assert passing.to_page({"id": 5, "result": actions}) is None
     finding = {
         "range": ask["range"],
         "message": f"{passing.folder}/b.yarc:3: wrong",
@@ -229,7 +234,7 @@ def test_roles_and_words(monkeypatch, tmp_path):
 
 
 class Page:
-    """A page's side of the socket."""
+    """A page's end of the WebSocket."""
 
     def __init__(self, api):
         self.line = api.socket("/api/analyst")
@@ -261,7 +266,9 @@ class Page:
 
 
 def begun(api):
-    """Return a page that has an analyst; the place of one whose process has ended is free a moment later."""
+    """Return a page that has an analyst. Try again for a while, because the place of an analyst that has
+    ended becomes free only a moment later.
+    """
     from websockets.exceptions import ConnectionClosed
 
     for _ in range(100):
@@ -274,7 +281,7 @@ def begun(api):
 
 
 def analysts_of(process):
-    """Return the analysts of a pendant's process."""
+    """Return the analysts among the child processes of a pendant."""
     found = []
     for place in Path("/proc").glob("[0-9]*"):
         with contextlib.suppress(OSError, IndexError):
@@ -313,12 +320,12 @@ def test_the_life_of_analysts(tmp_path):
         )
         fixes = page.until("answer")["result"]
         assert "HOME" in fixes[0]["edit"]["changes"]["yarc:///bend.yarc"][0]["newText"]
-        # what isn't for pages is refused, and the page goes on
+        # A request that pages may not send is refused, and the page can continue.
         page.say(said("workspace/executeCommand", {"command": "x"}, 2))
-        assert "isn't for pages" in page.until("yarc/refused")["error"]
+        assert "isn't accepted from pages" in page.until("yarc/refused")["error"]
         page.say("{" * 100_000)
         page.until("yarc/refused")
-        # a second page has its own; a killed one is begun again, once
+        # A second page gets an analyst of its own. An analyst that is killed is restarted, but only once.
         other = Page(anna)
         other.begin("yarc:///other.yarc")
         other.findings()
@@ -332,13 +339,13 @@ def test_the_life_of_analysts(tmp_path):
         assert "ended twice" in page.until("yarc/ended")["text"]
         with pytest.raises(ConnectionClosed):
             page.line.recv(timeout=10)
-        # a message that is too long ends a page's own socket
+        # A message that is too long closes only the WebSocket of the page that has sent it.
         with contextlib.suppress(ConnectionClosed):
             other.say("x" * (2 << 20))
             while True:
                 other.line.recv(timeout=10)
         none_left(process)
-        # at most four
+        # At most four analysts run at the same time.
         pages = [begun(anna) for _ in range(4)]
         with pytest.raises(ConnectionClosed) as refused:
             Page(anna).line.recv(timeout=10)
@@ -348,10 +355,10 @@ def test_the_life_of_analysts(tmp_path):
         while len(analysts_of(process)) > 3:
             assert time.monotonic() < end
             time.sleep(0.05)
-        # the end of a session ends them
+        # When the session ends, its analysts end.
         anna.call("POST", "/api/logout", {})
         none_left(process)
-        # and so does that of the server, however it ends
+        # When the server ends, in whatever way, the analysts end as well.
         again = Api(url)
         again.call("POST", "/api/login", {"user": "anna", "password": PASSWORD})
         Page(again).until("yarc/begun")

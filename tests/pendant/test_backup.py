@@ -1,5 +1,5 @@
-"""Backups of the project: one comes back as it was; a hostile zip changes nothing; what a restore replaces
-is kept.
+"""Tests of backups of the project: a restore gives the same files, a hostile zip changes nothing, and the
+files that a restore replaces are saved.
 """
 
 import asyncio
@@ -65,7 +65,7 @@ def backup_of(folder, *, logs=True):
 
 
 class Zip:
-    """A zip in a file, opened as an upload is."""
+    """A zip in an unnamed file, opened like an uploaded one."""
 
     def __init__(self, data):
         self.file = tempfile.TemporaryFile()  # noqa: SIM115 - it is closed with its object
@@ -102,7 +102,7 @@ def refusal(data):
     return caught.value.what
 
 
-# its own backup
+# backups made by the pendant itself
 
 NAME = st.text(st.sampled_from("abÄé€ 🤖-_(),'%"), min_size=1, max_size=6).filter(
     lambda name: name == name.strip()
@@ -133,7 +133,7 @@ def test_a_restore_and_its_undo_give_the_same_files(before, after, remove):
         refused = ""
         try:
             done = restore(folder, saved, remove=remove)
-        except Trouble as trouble:  # a file where the backup has a folder, or a name that looks like another
+        except Trouble as trouble:  # a file has the path of a folder of the backup, or a similar name
             refused = trouble.what
         if refused:
             assert "can't be restored" in refused or "no files" in refused
@@ -170,7 +170,7 @@ def test_what_is_in_a_backup(tmp_path):
     }
     assert (lines[0]["robot"], lines[0]["yarclang"], lines[0]["logs"]) == ("INDUSTRIAL6", "1", False)
     assert [one["file"] for one in lines if "why" in one] == ["bad\\name", "link.yarc"]
-    # what a backup leaves out isn't removed
+    # Files that the backup has left out aren't removed.
     (folder.root / "new.yarc").write_bytes(b"")
     done = restore(folder, data)
     assert done.removed == ("new.yarc",)
@@ -181,7 +181,9 @@ def test_what_is_in_a_backup(tmp_path):
 
 
 def test_links_and_what_they_lead_to(tmp_path):
-    """A file is restored under its own name alone: through a link it would be written twice."""
+    """A file is restored only under its own name. A file whose path leads through a link is refused, because
+    it would be written a second time.
+    """
     folder = project(tmp_path, {"m.yarc": b"old", "sub/x.yarc": b"x"})
     for name, target in (("a.yarc", "m.yarc"), ("z.yarc", "m.yarc"), ("way", "sub")):
         (folder.root / name).symlink_to(target)
@@ -290,7 +292,9 @@ def test_hostile_kinds():
 
 
 class Raw:
-    """A zip made by hand: each entry is (name, claimed size, claimed crc, packed bytes, method, flags)."""
+    """A zip that is put together byte by byte, with possibly false data. Each entry is (name, claimed size,
+    claimed CRC, packed bytes, method, flags).
+    """
 
     def __init__(self):
         self.body, self.rows = b"", []
@@ -327,13 +331,13 @@ def test_zips_made_by_hand():
     good.local("a.yarc", packed, len(text), crc)
     assert list(look(good.done()).files) == ["a.yarc"]
     assert "after its end" in refusal(good.done(after=b"x"))
-    assert "belong to no entry" in refusal(good.done(before=b"hidden"))
+    assert "outside of all entries" in refusal(good.done(before=b"hidden"))
     assert "fewer entries" in refusal(good.done(count=2))
-    assert "belong to no entry" in refusal(good.done(count=0))
+    assert "outside of all entries" in refusal(good.done(count=0))
     assert "zip64" in refusal(good.done(count=0xFFFF))
     assert "its directory" in refusal(b"prefix" + good.done())
-    assert "cut off" in refusal(good.done()[:-5])
-    # lies about the size, both ways; a wrong checksum; rubbish; something after the end of the stream
+    assert "is truncated" in refusal(good.done()[:-5])
+    # claimed size too small; too large; wrong checksum; invalid stream; bytes after the end of the stream
     for size, check, stream in (
         (len(text) - 1, crc, packed),
         (len(text) + 1, crc, packed),
@@ -365,15 +369,15 @@ def test_zips_made_by_hand():
         one = Raw()
         one.local(name, packed, len(text), crc, flags=flags)
         assert why in refusal(one.done()), name
-    # another name, or another size, where the file stands
+    # The local header has another name, size or method than the directory.
     for offset, value in ((30, b"b"), (22, b"\1"), (8, b"\0")):
         raw = bytearray(good.done())
         raw[offset : offset + 1] = value
-        assert "where it stands" in refusal(bytes(raw)), offset
+        assert "in its local header" in refusal(bytes(raw)), offset
 
 
 def test_bombs_of_overlapping_entries():
-    # zbsm: many rows of the directory for the same bytes
+    # "zbsm" bomb: many entries of the directory for the same bytes.
     kernel = deflated(b"\0" * 1_000_000)
     crc = zlib.crc32(b"\0" * 1_000_000)
     full = Raw()
@@ -381,14 +385,14 @@ def test_bombs_of_overlapping_entries():
     for number in range(100):
         full.row(f"a{number}".encode(), len(kernel), 1_000_000, crc, at)
     assert "shares bytes" in refusal(full.done())
-    # quoted overlap: an entry whose content is the local header of the next one
+    # Quoted overlap: the content of an entry is the local header of the next entry.
     quoted = Raw()
     first = quoted.local("a", b"", 0, 0, method=0)
     second = quoted.local("b", kernel, 1_000_000, crc)
     quoted.rows[0] = b""
     quoted.rows = [row for row in quoted.rows if row]
     quoted.row(b"a", len(quoted.body) - second, len(quoted.body) - second, 0, first, method=0)
-    assert "where it stands" in refusal(quoted.done())
+    assert "in its local header" in refusal(quoted.done())
 
 
 def test_a_hundred_thousand_entries_and_a_bomb_take_no_time(tmp_path):
@@ -424,7 +428,7 @@ def test_a_zip_with_any_byte_turned_is_refused_or_the_same(data):
         assert sum(map(len, content(held.handle, entry))) == entry.size
 
 
-# what may go wrong while it is applied
+# errors while a backup is restored
 
 
 def test_conflicts_with_what_is_there(tmp_path):
@@ -463,7 +467,7 @@ def test_a_full_disk_in_the_middle(tmp_path, monkeypatch):
     kept = folder.trash.kept()[0]
     restore(folder, (tmp_path / "data" / "trash" / kept.number / "content").read_bytes())
     assert contents(folder.root) == before
-    # no room for it at all: nothing is begun
+    # With too little space on the disk, the restore doesn't begin.
     with monkeypatch.context() as patch:
         patch.setattr(room, "KEPT", 1 << 60)
         with pytest.raises(Trouble, match=r"the restored files .* are free on the disk"):
@@ -518,7 +522,7 @@ def test_a_kill_in_the_middle_leaves_old_or_new(tmp_path):
     assert halves, "no kill came in the middle"
 
 
-# by way of the API
+# over the API
 
 
 def at(monkeypatch, tmp_path, work):
@@ -598,7 +602,7 @@ def test_only_service_and_only_at_rest(monkeypatch, tmp_path):
         assert (refused.status, refused.told["code"]) == (409, "Y1601"), refused.told
         await going
         assert (await sam.post("/api/backup/restore", wanted)).told["written"] == 0
-        # somebody else's upload isn't sam's, and ends with the session
+        # sam can't restore an upload of tom's. The upload is discarded when tom's session ends.
         tom = serviced(place, "tom")
         plan = (await tom.post("/api/backup/upload", raw=saved)).told
         wanted["number"] = plan["number"]
@@ -640,7 +644,7 @@ def test_uploads_that_are_broken_off_or_come_together(monkeypatch, tmp_path):
         plan = (await sam.post("/api/backup/upload", raw=saved)).told
         assert plan["same"] == 1
         assert sorted(one.name for one in (tmp_path / "state").iterdir() if "restore" in one.name) == []
-        # it is forgotten by itself
+        # An upload that isn't restored is discarded after a time.
         monkeypatch.setattr(backups, "_WAITS", 2.0)
         await sam.post("/api/backup/upload", raw=saved)
         await asyncio.sleep(3.0)

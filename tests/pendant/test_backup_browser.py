@@ -1,5 +1,5 @@
-"""Backup and Health in a real browser: a backup is restored after the PIN, its undo, and a file that is no
-backup.
+"""Browser tests of the pages Backup and Health: restore of a backup after the PIN, undo of the restore, and
+upload of a file that isn't a backup.
 """
 
 import pytest
@@ -10,7 +10,7 @@ from view.browser import browser_or_skip, opened_browser
 
 @pytest.fixture
 def place(tmp_path):
-    """A pendant with a project, and a browser where anna is logged in."""
+    """Fixture: a pendant with a project, and a browser in which anna is logged in."""
     browser_or_skip()
     project = tmp_path / "project"
     project.mkdir()
@@ -22,7 +22,7 @@ def place(tmp_path):
 
 
 def fits(browser):
-    """Return True if nothing of the page is cut off sideways."""
+    """Return True if the page isn't wider than the window."""
     return browser.execute_script("const p = document.getElementById('page'); return p.scrollWidth <= p.clientWidth")  # fmt: skip  # noqa: E501
 
 
@@ -38,7 +38,7 @@ def test_a_backup_is_restored_and_undone(place, tmp_path):
     (project / "<b>.yarc").unlink()
     chosen = browser.find_element("css selector", "input[type=file]")
     chosen.send_keys(str(tmp_path / "saved.zip"))
-    until(lambda: "1 new, 1 changed, 1 as they are, 1 not in the backup" in shown(browser, ".plan"))
+    until(lambda: "1 new, 1 changed, 1 unchanged, 1 not in the backup" in shown(browser, ".plan"))
     for one in SIZES:
         size(browser, *one)
         assert fits(browser)
@@ -49,14 +49,14 @@ def test_a_backup_is_restored_and_undone(place, tmp_path):
     assert {one.name: one.read_text() for one in project.glob("*.yarc")} == {"bend.yarc": PROGRAM,
         "<b>.yarc": PROGRAM}  # fmt: skip
     click(browser, ".undo button")
-    until(lambda: "What undoing would change" in shown(browser, ".plan"))
+    until(lambda: "Changes by undoing" in shown(browser, ".plan"))
     click(browser, ".plan button.main")
     until(lambda: shown(browser, ".restored").startswith("Restored: 2 files; deleted: 1"))
     assert {one.name: one.read_text() for one in project.glob("*.yarc")} == {"bend.yarc": "other",
         "new.yarc": "new"}  # fmt: skip
     (tmp_path / "none.zip").write_bytes(b"PK")
     browser.find_element("css selector", "input[type=file]").send_keys(str(tmp_path / "none.zip"))
-    until(lambda: "This backup is refused: it is no zip" in shown(browser, ".refused"))
+    until(lambda: "This backup is refused: it isn't a zip" in shown(browser, ".refused"))
     goes_to(browser, "system/health")
     until(lambda: "free" in shown(browser, ".health-groups"))
     assert shown(browser, ".versions").startswith("yarclang")

@@ -1,4 +1,6 @@
-"""The pendant's pages in a real browser: what people press, how it looks in both sizes, and bad days."""
+"""Browser tests of the pendant's pages: buttons, layout in both window sizes, and failures of network and
+computer.
+"""
 
 import contextlib
 import json
@@ -37,7 +39,7 @@ P0040 MOVEJ 0 0 0 0 -30 0 [1] (deg,s)
 
 @pytest.fixture(scope="module")
 def place(tmp_path_factory):
-    """A pendant, and a browser where anna, who controls the robot, is logged in."""
+    """Fixture: a pendant, and a browser in which anna is logged in and controls the robot."""
     browser_or_skip()
     folder = tmp_path_factory.mktemp("pendant")
     (folder / "bend.yarc").write_text(PROGRAM)
@@ -47,7 +49,7 @@ def place(tmp_path_factory):
         found = Place(url, token, process, browser)
         size(
             browser, 1024, 700
-        )  # without the picture beside Jog, which software draws here: it has tests of its own
+        )  # narrow enough to hide the 3D view beside Jog, which is rendered slowly here and tested elsewhere
         yield found
 
 
@@ -71,8 +73,8 @@ class Place:
         return {one["name"]: one["position"] for one in self.api.order("status")["joints"]}
 
     def rests(self):
-        """Return True if nothing is under way and no joint moves: on a busy computer the simulator may
-        pause within a motion.
+        """Return True if nothing is running and no joint moves. The joints are compared, because on a busy
+        computer the simulator may pause within a motion.
         """
         if self.api.order("status")["state"] != "stop":
             return False
@@ -147,8 +149,8 @@ def touch(browser, kind, where=None):
 
 
 def press_until_it_moves(place, where):
-    """Press a button until the robot moves; a busy computer may end a press before it does, and it is
-    pressed again.
+    """Press a button until the robot moves. On a busy computer a press may end before the robot moves; then
+    press again.
     """
     for _ in range(5):
         before = place.joints()
@@ -164,18 +166,21 @@ def press_until_it_moves(place, where):
 
 @contextmanager
 def held(place, where):
-    """A finger on a button, until the robot moves."""
+    """Hold a button with a finger while the context runs, which begins when the robot moves."""
     press_until_it_moves(place, where)
     try:
         yield
     finally:
-        with contextlib.suppress(InvalidArgumentException):  # a cancelled touch has no end
+        # a touch that the browser has cancelled can't be ended
+        with contextlib.suppress(InvalidArgumentException):
             touch(place.browser, "touchEnd")
         until(place.rests, 5.0)
 
 
 def test_every_page_in_both_sizes(place):
-    """Nothing is cut off sideways, STOP is there, and what is pressed is large enough for gloves."""
+    """On each page and in both sizes, nothing is cut off at the sides, STOP is visible, and buttons are large
+    enough for gloves.
+    """
     browser = place.browser
     for page in PAGES:
         goes_to(browser, page)
@@ -224,12 +229,12 @@ CUT = """
   window.addEventListener("unhandledrejection", (event) => window.wrong.push(String(event.reason?.stack ?? event.reason)));
 })();
 """  # noqa: E501
-"""Let a page be cut off from its server, and keep the errors that nobody has caught."""
+"""Script that can cut a page off from its server, and that records uncaught errors."""
 
 
 @contextmanager
 def cuttable(browser):
-    """Load the pages with CUT; without it again afterwards."""
+    """Load the pages with the script CUT; afterwards load them without it."""
     added = browser.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": CUT})
     try:
         browser.refresh()
@@ -242,7 +247,7 @@ def cuttable(browser):
 
 
 def parts(browser):
-    """Return what a page is made of: its headings and buttons, without numbers."""
+    """Return the texts of a page's headings and buttons, without numbers."""
     found = browser.execute_script(
         "return [...document.querySelectorAll('#page button, #page h2, #page th, #page "
         ".filename')].filter((one) => one.checkVisibility()).map((one) => one.textContent)"
@@ -255,8 +260,8 @@ def is_grey(browser):
 
 
 def test_every_page_that_is_opened_without_a_connection_is_whole_when_there_is_one(place):
-    """It says so in one sentence, STOP can be pressed, nothing is thrown, and no word of it is false
-    afterwards.
+    """A page that is opened without a connection says so in one sentence, allows STOP, and throws no error.
+    When the connection is back, the page is complete and shows nothing outdated.
     """
     browser = place.browser
     whole, lost = {}, {}
@@ -286,8 +291,8 @@ def test_every_page_that_is_opened_without_a_connection_is_whole_when_there_is_o
 
 
 def test_a_question_goes_with_the_page_that_has_asked(place):
-    """Whoever goes on to another page, or logs out, can't remove somebody by a question that was left
-    open.
+    """A question is closed when its page is left or the user logs out. So nobody can answer it later by
+    accident.
     """
     browser = place.browser
     goes_to(browser, "system/users")
@@ -298,7 +303,9 @@ def test_a_question_goes_with_the_page_that_has_asked(place):
 
 
 def test_the_page_that_is_shown_is_marked_where_it_can_be_seen(place):
-    """On a small panel the places of the rail don't all fit."""
+    """The entry of the shown page is visible in the navigation, even on a small panel where not all entries
+    fit.
+    """
     browser = place.browser
     size(browser, *SIZES[1])
     for page in ("system/users", "run", "status"):
@@ -314,7 +321,7 @@ def test_the_page_that_is_shown_is_marked_where_it_can_be_seen(place):
 
 
 def test_names_are_texts(place):
-    """A user, a program or a robot with markup as its name is shown, and isn't markup."""
+    """Names of users, programs and robots that contain HTML are shown as text."""
     place.api.call("POST", "/api/pin", {"pin": PIN})
     goes_to(place.browser, "run")
     until(lambda: "<img src=x" in shown(place.browser, ".programs"))
@@ -355,7 +362,7 @@ def test_whatever_ends_the_press_ends_the_motion(place, ends):
 
 
 def test_a_busy_page_doesnt_keep_the_robot_moving(place):
-    """Its scripts hang: the robot rests by the watchdog."""
+    """If the scripts of the page hang, the watchdog brings the robot to rest."""
     goes_to(place.browser, "jog")
     place.control()
     with held(place, "[data-axis=J1][data-sign='1']"):
@@ -394,7 +401,8 @@ def test_a_joystick_needs_its_button(place):
     browser.execute_script("window.pad.axes = [1, 0, 0, 0]")
     time.sleep(0.4)
     assert place.joints() == start
-    # enabled with the stick deflected: nothing yet; then neutral, then deflected: it moves
+    # If the gamepad is enabled while its stick is deflected, nothing moves. After neutral, a deflection moves
+    # the robot.
     browser.execute_script("window.pad.buttons[0].pressed = true")
     time.sleep(0.4)
     assert place.joints() == start
@@ -432,8 +440,8 @@ def test_a_program_is_run_and_stopped(place):
 
 
 def test_a_question_is_answered_beside_resume(place):
-    """The button waits for a number that the question allows; the field is there only as long as it is
-    asked for.
+    """The field for the answer is shown only while the question is open, and Resume can be pressed only with
+    a number that the question allows.
     """
     browser = place.browser
     goes_to(browser, "run")
@@ -485,7 +493,7 @@ def click_if(browser, where):
 
 
 class Proxy:
-    """A TCP proxy that can drop all that comes, without closing anything: a network that is dead."""
+    """TCP proxy that can drop all data without closing a connection, like a dead network."""
 
     def __init__(self, port):
         self.dead = False
@@ -521,12 +529,14 @@ class Proxy:
 
 @pytest.mark.parametrize("day", ["dead network", "stopped browser", "killed tab"])
 def test_bad_days(tmp_path, day):
-    """The robot rests, a page that lives says that it knows nothing, and all is well when the network is."""
+    """After a failure the robot rests, and a page that still runs says that it knows nothing. When the
+    network is back, everything works again.
+    """
     browser_or_skip()
     with serving(tmp_path) as (url, token, _):
         port = urlsplit(url).port
         proxy = Proxy(port)
-        # the pendant is called by its own name; what the browser reaches is the proxy
+        # The browser resolves the pendant's own host name to the proxy.
         with opened_browser(
             tmp_path / "profile",
             f"--host-resolver-rules=MAP localhost:{port} 127.0.0.1:{proxy.port}, EXCLUDE 127.0.0.1",
@@ -561,14 +571,14 @@ def test_bad_days(tmp_path, day):
                 time.sleep(1.0)
                 for pid in pids:
                     os.kill(pid, signal.SIGCONT)
-            # what was on its way moves nothing any more
+            # Delayed messages don't move the robot any more.
             time.sleep(1.0)
             assert here.joints() == there
         proxy.close()
 
 
 def browser_processes(browser):
-    """Return the processes of a browser, with their command lines."""
+    """Return the processes of a browser by id, with their command lines."""
     profile = browser.capabilities["chrome"]["userDataDir"].encode()
     found = {}
     for place in Path("/proc").glob("[0-9]*"):
@@ -582,7 +592,7 @@ def browser_processes(browser):
 
 
 def test_nothing_was_loaded_from_elsewhere(place):
-    """Of all requests that the browser has made none went to another machine."""
+    """None of the browser's requests has gone to another computer."""
     asked = [json.loads(entry["message"])["message"] for entry in place.browser.get_log("performance")]
     urls = [one["params"]["request"]["url"] for one in asked if one["method"] == "Network.requestWillBeSent"]
     fetched = [one for one in urls if urlsplit(one).scheme in ("http", "https", "ws", "wss")]

@@ -1,4 +1,4 @@
-"""The libraries of the pages are what `bundles/` makes: nothing was changed in them by hand."""
+"""Test that the bundled libraries of the pages are exactly what `bundles/` builds, without manual changes."""
 
 import os
 import shutil

@@ -1,5 +1,5 @@
-"""Calibration over the API: touches that the server takes where the robot stands, results that are shown,
-then written; who may, and what is refused.
+"""Tests of calibration through the API: touches at the robot's position, display and writing of results,
+rights, and refusals.
 """
 
 import asyncio
@@ -46,7 +46,9 @@ def at(monkeypatch, tmp_path, work, **options):
 
 
 def put(place, position, turn=(0, 0, 0), tip=(0.0, 0.0, 0.0)):
-    """Let the robot stand with a tip at a position [m], turned by roll pitch yaw [deg]."""
+    """Move the simulated robot so that the tip is at a position [m], with the given roll, pitch and yaw
+    [deg].
+    """
     robot, pose = place.world.robot, np.eye(4)
     pose[:3, :3] = Rotation.from_euler("xyz", turn, degrees=True).as_matrix()
     pose[:3, 3] = np.array(position) - pose[:3, :3] @ np.array(tip)
@@ -75,7 +77,7 @@ async def touch(who, **fields):
 
 
 async def write(who, to, **fields):
-    """Propose, then write what was proposed; return both answers."""
+    """Propose a result, then write it. Return both replies."""
     version = (await who.get("/api/calibration")).told["version"]
     asked = {"version": version, "to": to, **fields}
     made = await who.post("/api/calibration/propose", asked)
@@ -129,14 +131,15 @@ def test_a_tip_from_the_first_touch_to_the_file(monkeypatch, tmp_path):
             seen.append((await touch(anna)).told)
         assert [one["needed"] for one in seen] == [3, 2, 1, 0]
         assert [one["ready"] for one in seen] == [False] * 3 + [True]
-        # two touches about one axis: the tip along it isn't known at all, and it is said what helps
+        # After two touches that differ only by a turn about one axis, the tip's coordinate along the axis is
+        # unknown. The advice says which turn helps.
         assert seen[1]["spread"][0]["value"] == "not known"
         assert seen[1]["spread"][0]["label"] == "tip along x of {FLANGE}"
         assert "about y" in seen[1]["advice"] or "about z" in seen[1]["advice"]
         assert "TORCH" in seen[3]["result"][0]
         assert "20.000 130.000 210.000" in seen[3]["result"][0]
         assert max(one["residual"] for one in seen[3]["touches"]) < 0.01
-        # a touch that misses is the worst one, and is taken anew
+        # A touch beside the point is marked as the worst one, and can be replaced.
         put(place, POINT + np.array([0.003, 0, 0]), (0, -30, 0), TIP)
         worse = (await touch(anna)).told
         assert [one["worst"] for one in worse["touches"]].index(True) == 4
@@ -249,7 +252,7 @@ def test_a_frame_of_the_cell(monkeypatch, tmp_path, form):
     async def work(place):
         anna = with_pin(place)
         told = await touched_frame(place, anna)
-        assert "a fourth one" in told["result"][0]
+        assert "a fourth point" in told["result"][0]
         made, written = await write(anna, "cell")
         if form not in ("plain", "crlf"):
             assert made.told["code"] == "exists"
@@ -281,7 +284,7 @@ def test_what_hangs_on_a_frame_and_what_is_another_file_by_now(monkeypatch, tmp_
         version = (await anna.get("/api/calibration")).told["version"]
         asked = {"version": version, "to": "cell", "replace": True}
         made = (await anna.post("/api/calibration/propose", asked)).told
-        assert "{FIXTURE} hang on it" in made["what"]
+        assert "{FIXTURE} are attached to it" in made["what"]
         (tmp_path / "cell.toml").write_text(CELL + "# somebody else\n")
         late = await anna.post("/api/calibration/write", {**asked, "known": made["known"]})
         assert (late.status, late.told["code"]) == (409, "changed")
@@ -320,7 +323,7 @@ def test_points_that_say_little_and_points_that_say_nothing(monkeypatch, tmp_pat
         assert "the point on x is only 20 mm from the origin" in told["advice"]
         assert "30 mm beside the x axis" in told["advice"]
         version = told["version"]
-        # without the origin the point on x would become the origin
+        # Only the last touch can be removed: without the origin, the point on x would become the origin.
         assert [one["can_go"] for one in told["touches"]] == [False, False, True]
         for at in (0, 1):
             refused = await anna.post("/api/calibration/remove", {"version": version, "at": at})
@@ -331,7 +334,7 @@ def test_points_that_say_little_and_points_that_say_nothing(monkeypatch, tmp_pat
         told = (await touch(anna)).told
         assert not told["ready"]
         assert told["findings"][0]["code"] == "Y1903"
-        # the same place again says nothing, and isn't taken
+        # A second touch at the same position is refused, because it adds no information.
         same = await touch(anna)
         assert (same.status, same.told["code"]) == (409, "same")
         refused, _ = await write(anna, "program", file="a.yarc")
@@ -348,7 +351,7 @@ def test_offsets_and_which_motors_have_to_be_referenced(monkeypatch, tmp_path):
         robot = place.world.robot
         assert (await begin(anna, "home", marks={"J2": 0.0})).status == 200
         told = (await touch(anna)).told
-        assert "J2 reads +0.5000 deg wrong" in told["result"][0]
+        assert "the reading of J2 is off by +0.5000 deg" in told["result"][0]
         assert "approach it again" in told["advice"]
         await touch(anna)
         stand(place.world.machine, robot, np.radians([0, 0.502, 0, 0, 0, 0]))
@@ -359,16 +362,17 @@ def test_offsets_and_which_motors_have_to_be_referenced(monkeypatch, tmp_path):
             refused = await touch(anna)
             assert refused.told["error"].startswith("motor 2 is not enabled")
         unreferenced(monkeypatch, place, 1)
-        assert (await touch(anna)).status == 200  # J2 doesn't hang on motor 1
+        assert (await touch(anna)).status == 200  # motor 1 doesn't move J2
         unreferenced(monkeypatch, place, 2)
         refused = await touch(anna)
-        assert refused.told["error"].startswith("motor 2 is not referenced")
+        assert refused.told["error"].startswith("motor 2 is not homed")
         made, written = await write(anna, "robot")
         assert "settings" in made.told["then"]
         assert written.status == 200
         offsets = load_robot(str(folder)).value.actuation.offset
         assert np.abs(offsets[1:3]).min() > 1000.0
-        # a second result would take the first one back: the pendant still counts with the old offsets
+        # A second result is refused until the restart: it would be computed with the old offsets, and undo
+        # the first one.
         await begin(anna, "home", marks={"J1": 1.0}, anew=True)
         monkeypatch.undo()
 
@@ -468,7 +472,8 @@ def test_who_may_and_what_is_forged(monkeypatch, tmp_path):
         told = await touched_frame(place, paul)
         made, written = await write(paul, "cell")
         assert made.status == 200
-        assert written.status == 403  # a programmer looks, and somebody of service writes
+        # a programmer may see the proposal, but only a service user may write it
+        assert written.status == 403
         nopin = place.logged_in("sven", Role.SERVICE)
         await touched_frame(place, nopin)
         made, written = await write(nopin, "cell")
@@ -547,7 +552,9 @@ def test_looking_at_a_tip_keeps_it_where_it_is(monkeypatch, tmp_path):
 
 @pytest.mark.parametrize("order", [(0, 1, 2), (0, 2, 1)])
 def test_looking_at_a_frame_stays_on_the_side_of_the_tool(monkeypatch, tmp_path, order):
-    """With the points in the wrong order z points down, into what was touched."""
+    """With the points in the wrong order, z of the frame points into the touched body. The motion still stays
+    outside.
+    """
     (tmp_path / "cell.toml").write_text(
         'units = "mm,deg"\n[frames.PIN]\nparent = "FLANGE"\nxyz = [0, 0, -100]\n'
     )

@@ -1,5 +1,5 @@
-"""A tool's tip and a frame are calibrated in a browser, from their choice to the line in a file, and
-looked at before.
+"""Browser tests of calibration: a tool's tip and a frame are calibrated, checked by a motion, and written to
+a file.
 """
 
 import time
@@ -25,7 +25,7 @@ def place(tmp_path):
 
 
 def pressed(browser, label):
-    """Press the button with this label."""
+    """Press the button with a given label."""
     found = (
         'return [...document.querySelectorAll("#page button, .sheet button")].find((one) => '
         "one.offsetParent && one.textContent === arguments[0] && !one.disabled)"
@@ -35,7 +35,7 @@ def pressed(browser, label):
 
 
 def goes(place, text):
-    """Carry a line out by the API."""
+    """Execute a line of text through the API."""
     told = place.api.order("offer", text=text)
     assert told["offer"], told
     assert place.api.order("go", offer=told["offer"]["number"])["well"]
@@ -48,7 +48,7 @@ def touches(place, number, tilt):
 
 
 def tip_calibrated(place, looked_at=lambda _: None):
-    """Carry the calibration out; `looked_at` is called with the name of each step."""
+    """Carry out the calibration of a tip. `looked_at` is called with the name of each step."""
     browser = place.browser
     place.api.call("POST", "/api/control")
     adopted = place.api.order(
@@ -75,7 +75,7 @@ def tip_calibrated(place, looked_at=lambda _: None):
 def test_a_tip_is_calibrated(place):
     browser = place.browser
     tip_calibrated(place)
-    # a look at Jog, one tap away, and a reload of the page: the touches stay
+    # Neither a visit to the page Jog nor a reload of the page loses the touches.
     pressed(browser, "Jog")
     until(lambda: "#/jog" in browser.current_url)
     click(browser, ".why-row a")
@@ -87,11 +87,11 @@ def test_a_tip_is_calibrated(place):
     until(lambda: browser.find_elements("css selector", ".sheet .compared"))
     assert "declared {TORCH}" in shown(browser, ".sheet").lower().replace("torch", "TORCH")
     pressed(browser, "Write")
-    until(lambda: "is written" in shown(browser, ".writing"))
+    until(lambda: "was written" in shown(browser, ".writing"))
     told = place.api.call("GET", "/api/files/weld.yarc")["text"]
     line = next(one for one in told.splitlines() if one.startswith("FRAME"))
     assert [float(word) for word in line.split()[2:5]] == pytest.approx(TIP, abs=0.05)
-    # the way to look at it goes only while its button is held
+    # The motion to the touched point runs only while its button is held.
     place.api.order("release")
     place.control()
     pressed(browser, "Back from the point")
@@ -125,7 +125,7 @@ def test_a_frame_is_calibrated(tmp_path):
             pressed(browser, "Take this touch")
             until(lambda: len(browser.find_elements("css selector", ".touches li")) == number)  # noqa: B023
         until(lambda: "{NEST}" in shown(browser, ".result"))
-        # the origin stays while points after it are there
+        # The origin can't be removed while there are points after it.
         labels = [one.text for one in browser.find_elements("css selector", ".touches button")]
         assert labels.count("Remove") == 1
         pressed(browser, "Into cell.toml")
@@ -140,9 +140,9 @@ def test_a_frame_is_calibrated(tmp_path):
         until(lambda: shown(browser, "dialog h2") == "Your PIN, please")
         browser.execute_script("document.querySelector('dialog input').value = arguments[0]", PIN)
         click(browser, "dialog button.main")
-        until(lambda: "is written" in shown(browser, ".writing"))
+        until(lambda: "was written" in shown(browser, ".writing"))
         assert '[frames.NEST]\nparent = "TABLE"' in (tmp_path / "cell.toml").read_text()
-        # a look at Jog, and another page: nothing leads back to the calibration from there
+        # After a visit to Jog and then to another page, there is no link back to the calibration.
         place.api.order("release")
         goes_to(browser, "setup/calibrate")
         pressed(browser, "Jog")

@@ -1,5 +1,5 @@
-"""Control of the robot: asked for, given, kept, taken from whoever has gone; programs of the project; what
-the audit trail says of them.
+"""Tests of control over the robot: requesting, giving and keeping it, and taking it from an absent owner.
+Also the list of programs and the entries of the audit trail about them.
 """
 
 import asyncio
@@ -71,6 +71,37 @@ def test_who_has_gone_gives_way(monkeypatch, tmp_path):
     at(monkeypatch, tmp_path, work)
 
 
+def test_a_program_without_pages_keeps_control_while_it_gives_orders(monkeypatch, tmp_path):
+    """A client of the API needs no page. It doesn't lose control between two of its orders."""
+
+    async def work(place):
+        anna, bea = place.logged_in("anna", Role.OPERATOR), place.logged_in("bea", Role.OPERATOR)
+        await anna.post("/api/control")
+        for _ in range(3):
+            await asyncio.sleep(6.0)
+            assert (await bea.post("/api/control")).told["given"] is False
+            assert (await anna.order("status")).status == 200
+        await asyncio.sleep(11.0)
+        assert (await bea.post("/api/control")).told["given"] is True
+
+    at(monkeypatch, tmp_path, work)
+
+
+def test_only_the_owner_keeps_control(monkeypatch, tmp_path):
+    async def work(place):
+        anna, bea = place.logged_in("anna", Role.OPERATOR), place.logged_in("bea", Role.OPERATOR)
+        page = anna.socket("/api/robot")
+        await anna.post("/api/control")
+        await asyncio.sleep(0.2)
+        for to in ("", anna.session.id):
+            assert (await bea.post("/api/control/give", {"to": to, "refuse": True})).status == 409
+        await asyncio.sleep(0.2)
+        assert not [one for one in page.waiting() if one.get("event") == "notice"]
+        await page.close()
+
+    at(monkeypatch, tmp_path, work)
+
+
 def test_the_owner_at_a_prompt_is_named(monkeypatch, tmp_path):
     async def work(place):
         prompt = place.coordinator.attach("repl")
@@ -134,7 +165,7 @@ def test_a_program_is_run_and_everybody_may_stop_it(monkeypatch, tmp_path):
 
 
 def test_the_audit_trail_comes_first(monkeypatch, tmp_path):
-    """Where it can't be written nothing moves; a stop is taken all the same."""
+    """If the audit trail can't be written, no motion is possible. A stop is executed anyway."""
     (tmp_path / "bend.yarc").write_text(PROGRAM)
 
     async def work(place):
@@ -208,8 +239,8 @@ def test_nothing_outside_of_the_project(monkeypatch, tmp_path, name):
 
 
 def test_only_programs_are_listed(monkeypatch, tmp_path):
-    """A pipe, a link out, a hidden folder and a folder with a program's name aren't programs; names come
-    in order.
+    """A pipe, a link that leads out, a hidden folder, and a folder with a program's name aren't listed as
+    programs. The names are sorted.
     """
     project = tmp_path / "project"
     (project / ".venv").mkdir(parents=True)
@@ -261,7 +292,7 @@ def test_twenty_watchers_are_told_the_same(monkeypatch, tmp_path):
         pages = [anna.socket("/api/robot") for _ in range(20)]
         first = [await page.until(lambda message: message.get("event") == "display") for page in pages]
         assert all(one == first[0] for one in first)
-        # one that never reads costs nothing but the newest display and a few texts
+        # For a page that never reads, only the newest display and a few texts are stored.
         for number in range(300):
             place.coordinator.tell(f"text {number}")
         await asyncio.sleep(1.0)
@@ -269,5 +300,102 @@ def test_twenty_watchers_are_told_the_same(monkeypatch, tmp_path):
         for page in pages:
             await page.close()
         assert place.service.watched._pages == set()
+
+    at(monkeypatch, tmp_path, work)
+
+
+@pytest.mark.parametrize("word", ["stop", "hold", "abort"])
+def test_a_stop_cancels_orders_that_wait_for_the_disk(monkeypatch, tmp_path, word):
+    """An order is written to the audit trail first. If the disk is slow, a stop that is ordered meanwhile
+    comes first, and the robot doesn't move after it.
+    """
+    (tmp_path / "there.yarc").write_text(PROGRAM)
+
+    async def work(place):
+        anna, bea = place.logged_in("anna", Role.OPERATOR), place.logged_in("bea", Role.OPERATOR)
+        assert (await anna.post("/api/control")).told["given"]
+        number = (await anna.order("load", file="there.yarc", approach=True)).told["program"]["number"]
+        before = place.world.stands()
+        place.slow_disk(monkeypatch, 3.0)
+        runs = asyncio.ensure_future(anna.order("run", program=number))
+        await asyncio.sleep(1.0)
+        assert (await bea.order(word)).status == 200
+        answer = await runs
+        assert (answer.status, answer.told["error"]) == (409, "stopped before it began; nothing moved")
+        await asyncio.sleep(4.0)
+        assert (place.world.stands() == before).all()
+        assert [deed[3] for deed in place.deeds() if deed[1] == "run"][-1].startswith("refused: stopped")
+        # A new order is carried out, and so is an order that moves nothing.
+        gives = asyncio.ensure_future(anna.post("/api/control/give", {}))
+        await asyncio.sleep(1.0)
+        await bea.order(word)
+        assert (await gives).status == 200
+        assert (await anna.post("/api/control")).told["given"]
+        runs = asyncio.ensure_future(anna.order("run", program=number))
+        await asyncio.sleep(4.0)
+        assert place.world.moving
+        await runs
+
+    at(monkeypatch, tmp_path, work)
+
+
+def test_an_order_that_was_delayed_isnt_carried_out(monkeypatch, tmp_path):
+    """A page names the last heartbeat that it has received. If the network or the pendant's process stands
+    still meanwhile, the order is refused; a stop never is.
+    """
+    (tmp_path / "there.yarc").write_text(PROGRAM)
+
+    async def work(place):
+        loop = asyncio.get_running_loop()
+        anna = place.logged_in("anna", Role.OPERATOR)
+        page = anna.socket("/api/robot")
+        assert (await anna.post("/api/control")).told["given"]
+        number = (await anna.order("load", file="there.yarc", approach=True)).told["program"]["number"]
+
+        async def runs(beat):
+            made = anna.post("/api/orders/run", {"program": number}, headers=[("x-yarc-beat", str(beat))])
+            return await made
+
+        async def newest():
+            page.waiting()
+            return (await page.until(lambda message: "beat" in message))["beat"]
+
+        beat = await newest()
+        await asyncio.sleep(4.0)  # the network stands still
+        assert (await runs(beat)).status == 409
+        beat = await newest()
+        loop.virtual += 4.0  # the process stands still
+        late = await runs(beat)
+        assert (late.status, "too late" in late.told["error"]) == (409, True)
+        for forged in ("-1", "x", "9" * 30, 10**9):
+            assert (await runs(forged)).status == 409
+        assert not place.world.moving
+        for word in ("stop", "hold", "status"):
+            told = await anna.post(f"/api/orders/{word}", {}, headers=[("x-yarc-beat", str(beat))])
+            assert told.status == 200
+        beat = await newest()
+        await asyncio.sleep(1.0)
+        running = asyncio.ensure_future(runs(beat))
+        await asyncio.sleep(0.8)
+        assert place.world.moving
+        assert (await running).told["well"]
+        await page.close()
+
+    at(monkeypatch, tmp_path, work)
+
+
+def test_an_order_doesnt_outlast_its_session(monkeypatch, tmp_path):
+    """If the disk is slow, a user may log out, or be removed, before an order is carried out."""
+
+    async def work(place):
+        anna = place.logged_in("anna", Role.OPERATOR)
+        place.slow_disk(monkeypatch, 2.0)
+        owns = asyncio.ensure_future(anna.post("/api/control"))
+        await asyncio.sleep(1.0)
+        place.service.accounts.sessions.end(anna.session)
+        assert (await owns).status == 401
+        assert place.coordinator.owner == ""
+        assert place.service.seats.taken(anna.session) is None
+        await asyncio.sleep(5.0)
 
     at(monkeypatch, tmp_path, work)

@@ -1,5 +1,5 @@
-"""System > Controller by way of the API, in virtual time: who may enable, home and send settings, what
-ends a search, restart and shut down.
+"""Tests of System > Controller through the API, in virtual time: rights to enable, home and send settings,
+ends of a home search, restart and shut-down.
 """
 
 import asyncio
@@ -24,7 +24,7 @@ def with_pin(browser):
 
 
 def trial(monkeypatch, tmp_path, work, role=Role.SERVICE, **options):
-    """Carry out work with a pendant where somebody controls the robot, with a jog's socket."""
+    """Run a test coroutine with a pendant, a user who controls the robot, and the user's socket for jogs."""
 
     async def whole():
         async with pendant(monkeypatch, tmp_path, patient=True, **options) as place:
@@ -100,7 +100,7 @@ def test_what_needs_the_pin(monkeypatch, tmp_path):
         assert next(one for one in heard if one.get("state") == "ended")["code"] == "pin"
         assert not motor.homing
         assert not place.service.life.wanted
-        # a text without bounds, and numbers that aren't motors
+        # Malformed lists of motors, and numbers that no motor has, are refused.
         with_pin(anna)
         for motors in ([], [0], [33], [1] * 33, "1", [1.5], None):
             assert (await anna.order("home", motors=motors)).status == 400
@@ -120,7 +120,7 @@ def test_a_search_goes_on_as_long_as_the_button_is_held(monkeypatch, tmp_path):
         assert not motor.homed
         await asyncio.sleep(0.5)
         assert place.coordinator.state.value == "fault"
-        # the press that has ended moves nothing; another one begins anew
+        # A press that has ended moves nothing any more. A new press begins the search again.
         await pressed(line, 1, HOME, 0.3)
         assert not place.world.moving
         heard = await pressed(line, 2, HOME, 12.0)
@@ -140,8 +140,8 @@ def test_a_search_goes_on_as_long_as_the_button_is_held(monkeypatch, tmp_path):
     "how", ["silence", "late", "socket", "stop", "logout", "end", "pin", "give", "restart"]
 )
 def test_what_ends_a_search(monkeypatch, tmp_path, how):
-    """A page that is killed, frozen or behind a slow network; somebody else's STOP; the end of the
-    session.
+    """A search ends if its page is killed, frozen or behind a slow network, after another user's STOP, and
+    with the session.
     """
 
     async def work(place, anna, line):
@@ -170,7 +170,8 @@ def test_what_ends_a_search(monkeypatch, tmp_path, how):
                 assert (await anna.post("/api/system/restart")).told["code"] == "under-way"
                 assert (await anna.post("/api/system/restart", {"stop": True})).status == 200
             case "pin":
-                anna.session.pin_until = 0.0  # what was begun with it goes on as long as it's held
+                # the PIN expires; a search that has begun continues while the button is held
+                anna.session.pin_until = 0.0
                 await pressed(line, 1, HOME, 0.5)
                 assert place.world.moving
             case _:
@@ -279,7 +280,7 @@ def test_restart_and_shut_down(monkeypatch, tmp_path):
             *(anna.post("/api/system/restart", {"stop": True}) for _ in range(5)),
             anna.post("/api/system/shut-down", {"stop": True}),
         )
-        assert not place.world.moving  # it rests before anything ends
+        assert not place.world.moving  # the robot comes to rest before the process ends
         assert not (await running).told["well"]
         assert [one.status for one in answers].count(200) == 1
         assert life.wanted
@@ -329,7 +330,7 @@ def test_changed_files_wait_for_a_restart(monkeypatch, tmp_path):
         copied.write_text(text.replace("hold_time = ", "hold_time = 1"))
         assert "another robot" in json.dumps(await waiting()) or "loaded" in json.dumps(await waiting())
         copied.write_text("nonsense = [")
-        assert "can't be loaded" in (await waiting())[0]["what"]
+        assert "can no longer be loaded" in (await waiting())[0]["what"]
 
     trial(monkeypatch, tmp_path, work)
 

@@ -1,5 +1,5 @@
-"""System > Controller in a real browser: a search is held with a finger, behind the PIN; a page that
-restarts its server finds it again.
+"""Browser tests of System > Controller: a home search that needs the PIN is held with a finger, and a page
+finds its server again after a restart.
 """
 
 import contextlib
@@ -37,8 +37,8 @@ def confirm(browser):
 
 
 def hold_until_it_moves(place):
-    """Hold the button, and let it go; on a busy computer a page may be silent for too long, which ends the
-    search.
+    """Hold the button until the robot moves, then release it. On a busy computer the page may be silent for
+    too long, which ends the search; then hold it again.
     """
     for _ in range(8):
         touch(place.browser, "touchStart", HOLD)
@@ -60,11 +60,11 @@ def test_enable_home_and_restart(tmp_path):
         place.control()
         until(lambda: shown(browser, ".ready") == "Ready.")
         press(browser, "Disable")
-        press(browser, "Disable")  # the question's
+        press(browser, "Disable")  # the button of the question
         until(lambda: shown(browser, ".ready") == "Not ready: the motors were disabled.")
         press(browser, "Enable")
         until(lambda: shown(browser, ".ready") == "Ready.")
-        # move J1 off its home, and search it
+        # Move J1 away from its home position, then search it.
         browser.execute_script(
             "const ask = (path, body) => fetch(path, {method: 'POST', headers: {'content-type': "
             "'application/json'}, body: JSON.stringify(body)}).then((one) => one.json());"
@@ -82,13 +82,13 @@ def test_enable_home_and_restart(tmp_path):
         assert place.joints()["J1"] > 19.9
         confirm(browser)
         hold_until_it_moves(place)
-        until(lambda: any(one in shown(browser, "section .why") for one in ("was stopped", "said nothing")))
+        until(lambda: any(one in shown(browser, "section .why") for one in ("was stopped", "sent nothing")))
         before = place.joints()["J1"]
         time.sleep(0.5)
         assert abs(place.joints()["J1"] - before) < 0.01
         assert before > 10.0
         until(lambda: shown(browser, ".ready").startswith("Not ready"))
-        # begun anew, the simulated robot stands ready; the page finds it by itself, logged in
+        # After the restart, the simulated robot is ready. The page finds it, and the user is still logged in.
         press(browser, "Restart")
         press(browser, "Restart")
         until(lambda: shown(browser, ".ready") == "Ready.", 40.0)

@@ -1,4 +1,4 @@
-"""Files of the project by way of the API: roles, the audit trail, uploads, downloads."""
+"""Tests of the project's files through the API: roles, the audit trail, uploads, downloads."""
 
 import asyncio
 import gc
@@ -135,7 +135,8 @@ def test_what_is_no_text(monkeypatch, tmp_path):
             assert refused.told["help"]
         assert (await vic.get("/api/files/bom")).told["text"] == "\ufeffa\r\nb"
         pia = place.logged_in("pia", Role.PROGRAMMER)
-        for text in ("\x01" * (1 << 20), "é" * (1 << 19)):  # a MiB, in six times as much JSON
+        # 1 MiB of text, which needs up to six times as many bytes as JSON
+        for text in ("\x01" * (1 << 20), "é" * (1 << 19)):
             assert (
                 await pia.ask("PUT", f"/api/files/{len(text)}", {"text": text, "known": None})
             ).status == 200
@@ -171,7 +172,7 @@ def test_a_download_is_never_shown(monkeypatch, tmp_path, name):
 
 
 async def upload(browser, path, pieces, *, length=None, breaks=False, wait=0.0):
-    """Send a body piece by piece; `breaks`: the browser goes away at its end."""
+    """Upload a file piece by piece. With `breaks`, the connection breaks after the last piece."""
     sent, given = [], iter(pieces)
 
     async def receive():
@@ -221,8 +222,8 @@ def test_a_large_upload_takes_little_memory(monkeypatch, tmp_path):
 
 
 def test_uploads_that_come_to_nothing(monkeypatch, tmp_path):
-    """Broken off, silent, trickling, cut short, over what is there, for a folder that isn't there: nothing
-    is left.
+    """Uploads that are interrupted, silent, too slow, too short, to an existing file, or to a missing folder
+    are refused, and leave nothing on the disk.
     """
 
     async def work(place, project):
@@ -232,10 +233,10 @@ def test_uploads_that_come_to_nothing(monkeypatch, tmp_path):
         monkeypatch.setattr(filing, "_SILENCE", 0.5)
         monkeypatch.setattr(filing, "_START", 2.0)
         for path, pieces, options, words in (
-            ("new", [piece] * 20, {"breaks": True}, b"broken off"),
+            ("new", [piece] * 20, {"breaks": True}, b"the upload was interrupted"),
             ("new", [piece] * 3, {"wait": 0.6}, b"too slowly"),
             ("new", [b"x"] * 9, {"wait": 0.3}, b"too slowly"),
-            ("new", [piece], {"length": 65_537}, b"65,536 came"),
+            ("new", [piece], {"length": 65_537}, b"65,536 were received"),
             ("there", [piece], {}, b"another content"),
             (f"there?known={'0' * 64}", [piece], {}, b"another content"),
             ("there?known=x", [piece], {}, b"SHA-256"),

@@ -1,5 +1,5 @@
-"""The page of files in a real browser: upload, open, rename, delete and undo, and what has changed since
-the last commit.
+"""Browser tests of the page of files: upload, open, rename, delete and undo, and the changes since the last
+commit.
 """
 
 import os
@@ -17,7 +17,7 @@ MARKUP = "<img src=x onerror=alert(1)>.txt"
 
 @pytest.fixture
 def place(tmp_path):
-    """A pendant at a project with a commit, and a browser where anna is logged in."""
+    """Fixture: a pendant whose project has a commit, and a browser in which anna is logged in."""
     browser_or_skip()
     project = tmp_path / "project"
     project.mkdir()
@@ -40,7 +40,7 @@ def place(tmp_path):
 
 
 def press(browser, label, where="#page"):
-    """Press the button or link of this name."""
+    """Press the button or link with a given label."""
     until(
         lambda: browser.execute_script(
             "const it = [...document.querySelectorAll(`${arguments[1]} :is(button, a)`)].find((one) => "
@@ -63,8 +63,8 @@ def choose(browser, name):
 
 
 def fits(browser, what):
-    """Check that nothing is cut off sideways and STOP is in reach, in both sizes, light and dark; pictures
-    go to a folder that may be named.
+    """Check in both sizes and both themes that nothing is cut off at the sides and STOP is in reach. If
+    YARCLANG_PICTURES names a folder, save screenshots there.
     """
     for width, height in SIZES:
         size(browser, width, height)
@@ -97,7 +97,7 @@ def test_files_from_upload_to_undo(place, tmp_path):
     browser, project = place
     assert browser.execute_script("return document.querySelectorAll('#page img').length") == 0
     fits(browser, "list")
-    # uploaded, several at once
+    # Upload several files at once.
     for name in ("new one.txt", "سلام.txt"):
         (tmp_path / name).write_text("uploaded")
     files = "\n".join(str(tmp_path / name) for name in ("new one.txt", "سلام.txt"))
@@ -105,14 +105,14 @@ def test_files_from_upload_to_undo(place, tmp_path):
     until(lambda: (project / "سلام.txt").exists() and "new one.txt" in shown(browser, ".files"))
     assert (project / "new one.txt").read_text() == "uploaded"
     until(lambda: shown(browser, "[data-file='new one.txt'] .mark") == "new")
-    # one that is there is replaced only if somebody says so
+    # An existing file is replaced only after a confirmation.
     (tmp_path / "note.txt").write_text("uploaded over it")
     browser.find_element("css selector", "#page input[type=file]").send_keys(str(tmp_path / "note.txt"))
     until(lambda: "another content" in shown(browser, "#notices"))
     assert (project / "note.txt").read_text() == "one\ntwo\n"
     press(browser, "Replace it", "#notices")
     until(lambda: (project / "note.txt").read_text() == "uploaded over it")
-    # what has changed, in a view whose styles the security policy allows
+    # Show the changes, in a view whose styles the security policy allows.
     until(lambda: shown(browser, "[data-file='note.txt'] .mark") == "changed")
     choose(browser, "note.txt")
     until(lambda: "Changed by anna" in shown(browser, ".tools"))
@@ -133,7 +133,7 @@ def test_files_from_upload_to_undo(place, tmp_path):
     )
     fits(browser, "difference")
     press(browser, "Close")
-    # renamed, deleted, and brought back
+    # Rename, delete and restore a file.
     choose(browser, LONG)
     press(browser, "Rename")
     fits(browser, "rename")
@@ -147,7 +147,7 @@ def test_files_from_upload_to_undo(place, tmp_path):
     press(browser, "Delete")
     until(lambda: not (project / "bend.yarc").exists())
     press(browser, "Undo", "#notices")
-    until(lambda: (project / "bend.yarc").exists() and "bend.yarc is back" in shown(browser, "#notices"))
+    until(lambda: (project / "bend.yarc").exists() and "bend.yarc was restored" in shown(browser, "#notices"))
     choose(browser, MARKUP)
     press(browser, "Open")
     until(lambda: browser.execute_script(sides) == ["x"])

@@ -1,4 +1,6 @@
-"""The project's folder: no path leads out of it, nothing is lost, what was deleted comes back."""
+"""Tests of the project's folder: no path leads out of it, no file is lost, and deleted files can
+be restored.
+"""
 # ruff: noqa: PTH105, PTH115, PTH118, PTH119, PTH120, PTH208, PTH211 - the system is asked by itself, apart from the class and its ways
 
 import errno
@@ -21,7 +23,7 @@ SECRET = b"secret of another folder"
 
 
 def made(tmp_path, data="state"):
-    """Return a project's folder with traps in it, and the path of what nobody may read."""
+    """Return a project's folder that contains traps, such as links to a secret file outside."""
     root = tmp_path / "project"
     (root / "sub" / "deep").mkdir(parents=True)
     (root / ".git").mkdir()
@@ -70,8 +72,8 @@ NAMES = some.lists(some.sampled_from(WORDS) | some.text(max_size=4), min_size=1,
 @settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(NAMES, some.sampled_from(["", "/", "//", "{root}/", "{outside}/"]), NAMES)
 def test_no_path_leads_out(tmp_path_factory, parts, start, more):
-    """What is read, written, renamed or deleted is in the project, or is refused; the system's own word on
-    the path decides.
+    """Files are read, written, renamed and deleted only in the project; other paths are refused. The
+    operating system decides which paths are in the project.
     """
     tmp_path = tmp_path_factory.getbasetemp() / "paths"
     if not tmp_path.exists():
@@ -103,8 +105,8 @@ def test_no_path_leads_out(tmp_path_factory, parts, start, more):
 
 
 def is_inside(root, name):
-    """Return True if a path is one of the project's, by what the system says of its folder: written
-    without the class's own code.
+    """Return True if a path is in the project according to the operating system. This doesn't use the tested
+    code.
     """
     if "\0" in name or name.startswith("/") or any(one in ("", ".", "..") for one in name.split("/")):
         return False
@@ -123,8 +125,8 @@ def test_what_is_inside_is_read(tmp_path, name):
 
 
 def test_a_folder_that_becomes_a_link_meanwhile(tmp_path):
-    """Somebody exchanges a folder for a link out, thousands of times, while files in it are read and
-    written.
+    """While files in a folder are read and written, another thread replaces the folder by a link that leads
+    out, thousands of times.
     """
     project = made(tmp_path)
     there, ends = project.root / "swap", threading.Event()
@@ -220,13 +222,15 @@ def test_names_in_any_script(tmp_path, name):
 
 
 def test_twins_of_names_are_refused(tmp_path):
-    """One file whose name looks like another's, on this system or where the project goes next."""
+    """A new file is refused if its name looks like that of another file, here or on another
+    operating system.
+    """
     project = made(tmp_path)
     project.write("Straße é.yarc", b"", None)
     for twin in (unicodedata.normalize("NFD", "Straße é.yarc"), "STRASSE É.yarc", "straße é.YARC"):
         with pytest.raises(Trouble, match="looks like"):
             project.write(twin, b"", None)
-    project.rename("Straße é.yarc", "strasse é.yarc")  # its own name in another form
+    project.rename("Straße é.yarc", "strasse é.yarc")  # another form of the file's own name is allowed
     assert "strasse é.yarc" in os.listdir(project.root)
 
 
@@ -257,7 +261,7 @@ def test_what_is_changed_is_kept_as_it_was(tmp_path, monkeypatch):
     assert (kept.file, kept.user, kept.is_folder) == ("sub/b.yarc", "anna", False)
     assert files.restore(kept.number) == "sub/b (2).yarc"
     assert files.read("sub/b (2).yarc")[0] == b"b"
-    # where it can't be kept, it isn't changed
+    # If the old version can't be saved, the file isn't changed.
     known = files.read("sub/b.yarc")[1].sha256
 
     def full(*_):
@@ -312,10 +316,10 @@ def test_nothing_is_overwritten(tmp_path):
 
 @pytest.mark.parametrize(("number", "words"),
     [(errno.ENOSPC, "no room"), (errno.EROFS, "read-only"), (errno.EACCES, "permission"),
-        (errno.EIO, "disk")])  # fmt: skip
+        (errno.EIO, "reading or writing failed")])  # fmt: skip
 @pytest.mark.parametrize("where", ["write", "fsync", "replace", "link", "rename", "open"])
 def test_a_disk_that_fails(tmp_path, monkeypatch, number, words, where):
-    """One clear error each, and what was there is there."""
+    """An error of the disk gives one clear message, and no file is lost."""
     project = made(tmp_path)
     before = sorted(os.listdir(project.root))
     known = project.read("a.yarc")[1].sha256
@@ -352,7 +356,7 @@ def test_a_disk_that_fails(tmp_path, monkeypatch, number, words, where):
 
 
 def test_without_files_without_names(tmp_path, monkeypatch):
-    """Some systems have neither files without a name nor links."""
+    """Everything works on a file system that supports neither unnamed files nor hard links."""
     project = made(tmp_path)
     monkeypatch.setattr(draft, "_NAMELESS", 0)
 
@@ -394,12 +398,12 @@ def test_what_was_deleted_comes_back_after_a_restart(tmp_path, monkeypatch, othe
     assert again.read("sub (2)/b.yarc")[0] == b"b"
     assert stat.S_IMODE((project.root / "sub (2)" / "b.yarc").stat().st_mode) == 0o755
     assert os.readlink(project.root / "sub (2)" / "round") == "../sub"
-    with pytest.raises(Trouble, match="isn't kept"):
+    with pytest.raises(Trouble, match="this file is no longer kept"):
         again.restore(first)
     for number in ("", "..", "../../project", "/"):
         with pytest.raises(Trouble):
             again.restore(number)
-    number = again.delete("link", "anna").number  # the link, not what it leads to
+    number = again.delete("link", "anna").number  # deletes the link, not its target
     assert (tmp_path / "outside" / "secret").read_bytes() == SECRET
     assert again.restore(number) == "link"
     assert not [one for one in os.listdir(project.root) if one.startswith(".yarc")]
@@ -407,7 +411,7 @@ def test_what_was_deleted_comes_back_after_a_restart(tmp_path, monkeypatch, othe
 
 @pytest.mark.parametrize("at", ["before", "while"])
 def test_a_deletion_that_is_killed_halfway(tmp_path, monkeypatch, at):
-    """The computer goes off: what was out of sight is there after the next start."""
+    """If the computer is switched off during a deletion, the hidden file reappears after the next start."""
     project = made(tmp_path)
 
     class Off(BaseException):

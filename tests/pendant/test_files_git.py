@@ -1,4 +1,6 @@
-"""What has changed since the last commit; and repositories that would like git to run something."""
+"""Tests of the changes since the last commit, and of hostile repositories that try to make git run
+a program.
+"""
 
 import os
 import shutil
@@ -56,13 +58,13 @@ def test_what_has_changed(tmp_path):
     state = known.state()
     assert (state.changes, state.commit.who, state.commit.subject) == ({}, "Änne x", "First")
     assert state.commit.when.endswith("+00:00")
-    (root / "a.yarc").write_text("One\n")  # of the same length
+    (root / "a.yarc").write_text("One\n")  # the length of the file stays the same
     (root / "sub" / "b c.yarc").unlink()
     (root / "new.yarc").write_text("")
     (root / "run.log").write_text("ignored")
     (root / "added").write_text("x")
     git(root, "add", "added")
-    (root / "程序.yarc").write_bytes(b"three\r\n")  # other line ends aren't a change
+    (root / "程序.yarc").write_bytes(b"three\r\n")  # other line endings don't count as a change
     assert known.state().changes == {
         "a.yarc": "changed",
         "added": "new",
@@ -78,7 +80,7 @@ def test_what_has_changed(tmp_path):
         known.difference("../a")
     inner = Git(
         ProjectFolder(root / "sub", tmp_path / "state" / "pendant.db")
-    )  # the project is a part of the repository
+    )  # the project is a subfolder of the repository
     assert inner.state().changes == {"b c.yarc": "deleted"}
 
 
@@ -100,7 +102,7 @@ def test_where_there_is_no_commit_or_no_repository(tmp_path):
         "submodule", "signature", "alternates"],
 )  # fmt: skip
 def test_a_hostile_repository_runs_nothing(tmp_path, trap):
-    """Each trap would make a file if git ran it."""
+    """Each trap would create a file if git executed it."""
     canary = tmp_path / "canary"
     script = tmp_path / "script"
     script.write_text(f"#!/bin/sh\ntouch {canary}\ncat\n")
@@ -140,7 +142,7 @@ def test_a_hostile_repository_runs_nothing(tmp_path, trap):
             git(root, "config", "protocol.ext.allow", "always")
             blob = git(root, "rev-parse", "HEAD:a.yarc").strip()
             (root / ".git" / "objects" / blob[:2] / blob[2:]).unlink()
-        case "bare":  # files that a programmer could upload
+        case "bare":  # a bare repository, made of files that a programmer could upload
             shutil.move(root / ".git", tmp_path / "bare")
             for one in (tmp_path / "bare").iterdir():
                 shutil.move(one, root / one.name)
@@ -192,11 +194,11 @@ def test_git_that_hangs_floods_or_is_missing(tmp_path, monkeypatch):
     fake = tmp_path / "bin" / "git"
     fake.parent.mkdir()
     monkeypatch.setenv("PATH", f"{fake.parent}:{os.environ['PATH']}")
-    for script, words in (("sleep 60 & sleep 60", "takes more"), ("yes", "bytes to say"),
+    for script, words in (("sleep 60 & sleep 60", "takes more"), ("yes", "outputs more than"),
         ("echo fatal: bad object >&2; exit 128", "bad object")):  # fmt: skip
         fake.write_text(f"#!/bin/sh\n{script}\n")
         fake.chmod(0o755)
-        # a busy computer takes its time to start one that answers
+        # On a busy computer it takes a while to start a program that replies.
         monkeypatch.setattr(asking_git, "_LONGEST", 0.5 if script.startswith("sleep") else 30.0)
         with pytest.raises(Trouble, match=words):
             known.state()
@@ -216,7 +218,7 @@ def test_who_changed_what(monkeypatch, tmp_path):
             await pia.ask("PUT", "/api/files/a.yarc", {"text": "more\n", "known": known})
             await pia.ask(
                 "PUT", "/api/files/a.yarc", {"text": "late\n", "known": known}
-            )  # refused: it doesn't count
+            )  # this request is refused, so it doesn't count as a change
             paul = place.logged_in("paul", Role.PROGRAMMER)
             await paul.post("/api/files/delete", {"file": "sub/b c.yarc"})
             await paul.ask("PUT", "/api/files/new.yarc", {"text": "", "known": None})

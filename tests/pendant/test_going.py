@@ -1,5 +1,5 @@
-"""Hold-to-run of an offer by way of the API, in virtual time: it goes while it is held, rests on its path
-in between, and ends with what else is pressed.
+"""Tests of hold-to-run of an offer through the API, in virtual time: the robot moves while the button is
+held, rests on its path in between, and other actions end the motion.
 """
 
 import asyncio
@@ -26,7 +26,7 @@ async def offered(anna, text=WAY):
 
 
 def off_the_line(place):
-    """Return how far the robot is from the straight way to the goal [deg]."""
+    """Return the distance of the robot from the straight path to the goal [deg]."""
     stands, goal = place.world.stands(), np.array(GOAL)
     along = stands @ goal / (goal @ goal)
     return float(np.abs(stands - along * goal).max())
@@ -37,7 +37,7 @@ def states(heard, press):
 
 
 async def held_once(place, anna, line, seconds=1.5):
-    """Hold an offer for a time, and let it go; return its number."""
+    """Hold an offer for a time, then release it. Return the number of the offer."""
     number = await offered(anna)
     await pressed(line, 1, {"go": number}, seconds)
     assert place.world.moving
@@ -69,7 +69,7 @@ def test_it_goes_while_it_is_held_and_goes_on_along_its_path(monkeypatch, tmp_pa
             await rested(place.world)
         assert place.world.stands() == pytest.approx(GOAL, abs=1e-3)
         assert place.coordinator.state.value == "stop"
-        # it is done: the same press, or the same offer, moves nothing any more
+        # The motion is complete: neither the same press nor the same offer moves the robot again.
         await pressed(line, press, {"go": number}, 0.3)
         heard = await pressed(line, press + 1, {"go": number}, 0.4)
         assert "ended" in states(heard, press + 1)
@@ -103,7 +103,9 @@ def test_silence_rests_and_the_press_is_over(monkeypatch, tmp_path):
 
 
 def test_the_coordinator_has_a_watchdog_of_its_own(monkeypatch, tmp_path):
-    """The pendant's process hangs with the connection open: nobody lets go, and nobody says anything."""
+    """The pendant's process hangs, its connection stays open, and no message arrives. The coordinator's own
+    watchdog brings the robot to rest.
+    """
 
     async def work(place, anna, line):
         await held_once(place, anna, line)
@@ -119,7 +121,7 @@ def test_the_coordinator_has_a_watchdog_of_its_own(monkeypatch, tmp_path):
             here.send(orders.Keep())
         assert place.world.moving
         assert await rested(place.world, 1.2) < 1.0
-        # somebody else's resume moves it no farther than the next look
+        # After a `resume` from another client, the robot moves only until the watchdog's next check.
         before = place.world.stands()
         here.send(orders.Resume())
         await asyncio.sleep(1.0)
@@ -128,7 +130,7 @@ def test_the_coordinator_has_a_watchdog_of_its_own(monkeypatch, tmp_path):
         here.send(orders.Keep())
         here.send(orders.Resume())
         await asyncio.sleep(0.15)
-        # whoever gets the robot holds nothing
+        # The new owner of the robot doesn't hold the button, so the motion ends.
         await here.ask(orders.Give(to=place.service.seats.name(anna.session)))
         assert not (await asyncio.wait_for(going, 5.0)).well
         await rested(place.world)
@@ -138,7 +140,7 @@ def test_the_coordinator_has_a_watchdog_of_its_own(monkeypatch, tmp_path):
 
 @pytest.mark.parametrize("moment", [0.0, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2])
 def test_let_go_at_any_moment(monkeypatch, tmp_path, moment):
-    """Before it began, while it begins, just after it began."""
+    """Release the button before the motion begins, while it begins, or just after."""
 
     async def work(place, anna, line):
         number = await offered(anna)
@@ -151,7 +153,7 @@ def test_let_go_at_any_moment(monkeypatch, tmp_path, moment):
         assert not place.world.moving
         assert np.abs(place.world.stands()).max() < 0.5
         await stays(place)
-        # pressed again it goes on, or says that it has to be asked for again
+        # A new press continues the motion, or the page is told that a new offer is needed.
         heard = await pressed(line, 2, {"go": number}, 1.0)
         assert place.world.moving or "ended" in states(heard, 2)
 
@@ -160,8 +162,8 @@ def test_let_go_at_any_moment(monkeypatch, tmp_path, moment):
 
 @pytest.mark.parametrize("how", ["page", "socket", "stop", "logout", "jog", "another"])
 def test_what_ends_it(monkeypatch, tmp_path, how):
-    """Held or resting on its path: leaving the page, another press, STOP and the end of the session end it
-    for good.
+    """A motion that is held or rests on its path is ended for good by leaving the page, another press, STOP,
+    or the end of the session.
     """
 
     async def work(place, anna, line):
@@ -186,7 +188,7 @@ def test_what_ends_it(monkeypatch, tmp_path, how):
                 told = (await anna.order("offer", text="MOVEJ 0 0 0 0 0 0 [2] (deg,s)")).told
                 assert (
                     told.get("ok") is not True or told["offer"] is None
-                )  # under way: nothing can be planned
+                )  # nothing can be planned during a motion
                 heard = await pressed(line, 2, {"go": 999_999}, 0.4)
                 assert any("no offer" in one.get("why", "") for one in heard)
                 press = 3
@@ -244,10 +246,11 @@ def test_late_messages_and_a_second_page(monkeypatch, tmp_path):
         second = anna.socket("/api/jog")
         await pressed(line, 5, {"go": number}, 1.0)
         heard = await pressed(second, 1, {"go": number}, 0.15)
-        assert any("another page" in one.get("why", "") for one in heard)
+        assert any("another of your pages is jogging" in one.get("why", "") for one in heard)
         line.say({"release": 5})
         await rested(place.world)
-        # it rests on the first page's path: the second one neither goes on with it nor ends it
+        # The robot rests on the path of the first page's motion. The second page can neither continue nor end
+        # this motion.
         for press, want in ((2, {"go": number}), (3, TURN)):
             heard = await pressed(second, press, want, 0.3)
             assert any("under way" in one.get("why", "") for one in heard)
@@ -260,7 +263,7 @@ def test_late_messages_and_a_second_page(monkeypatch, tmp_path):
 
 
 def test_it_is_planned_from_where_the_robot_stands(monkeypatch, tmp_path):
-    """An offer that was made before another motion leads nowhere."""
+    """An offer can't be carried out if the robot has moved since it was planned."""
 
     async def work(place, anna, line):
         number = await offered(anna)
@@ -270,7 +273,7 @@ def test_it_is_planned_from_where_the_robot_stands(monkeypatch, tmp_path):
         await asyncio.sleep(0.3)
         before = place.world.stands()
         heard = await pressed(line, 2, {"go": number}, 0.5)
-        assert any("doesn't stand any more" in one.get("why", "") for one in heard)
+        assert any("isn't any more at the position" in one.get("why", "") for one in heard)
         assert np.allclose(place.world.stands(), before)
 
     trial(monkeypatch, tmp_path, work)
@@ -318,5 +321,46 @@ def test_what_is_no_offer(monkeypatch, tmp_path, go):
         told = await line.until(lambda message: message.get("ok") is False or "state" in message)
         assert told.get("ok") is False or told["state"] == "ended"
         assert np.allclose(place.world.stands(), 0.0)
+
+    trial(monkeypatch, tmp_path, work)
+
+
+def test_a_stop_while_the_audit_trail_is_written_cancels_it(monkeypatch, tmp_path):
+    async def work(place, anna, line):
+        vic = place.logged_in("vic", Role.VIEWER)
+        number = await offered(anna)
+        place.slow_disk(monkeypatch, 2.0)
+        await pressed(line, 1, {"go": number}, 1.0)
+        assert (await vic.order("stop")).status == 200
+        heard = await pressed(line, 1, {"go": number}, 2.0)
+        assert states(heard, 1)[-1] == "ended"
+        assert not place.world.moving
+        # The same for its continuation.
+        await pressed(line, 2, {"go": number}, 3.5)
+        assert place.world.moving
+        line.say({"release": 2})
+        await rested(place.world)
+        assert place.coordinator.state.value == "hold"
+        await pressed(line, 3, {"go": number}, 1.0)
+        assert (await vic.order("stop")).status == 200
+        await pressed(line, 3, {"go": number}, 2.0)
+        assert not place.world.moving
+
+    trial(monkeypatch, tmp_path, work)
+
+
+def test_a_press_stays_what_it_has_begun_as(monkeypatch, tmp_path):
+    async def work(place, anna, line):
+        number = await offered(anna)
+        await pressed(line, 1, {"go": number}, 1.0)
+        assert place.world.moving
+        heard = await pressed(line, 1, TURN, 1.0)
+        assert states(heard, 1)[-1] == "ended"
+        assert not place.world.moving
+        assert off_the_line(place) < 0.01
+        await pressed(line, 2, TURN, 1.0)  # the socket still serves
+        assert place.world.moving
+        await pressed(line, 2, {"go": number}, 1.0)
+        assert not place.world.moving
 
     trial(monkeypatch, tmp_path, work)

@@ -1,5 +1,5 @@
-"""Hold-to-run of an offer with the pendant in a process of its own, beside `yarc serve`: it hangs, or is
-killed, with the button pressed.
+"""Tests of hold-to-run of an offer with `yarc serve` and a pendant in another process, which hangs or is
+killed while the button is pressed.
 """
 
 import os
@@ -15,8 +15,8 @@ from yarclang.client import Robot
 
 
 def comes_to_rest(watcher, still=1.5, within=10.0):
-    """Wait until the joints have stayed where they are for some time: on a busy computer two looks may
-    find the same answer of the robot.
+    """Wait until the joints haven't moved for some time. A shorter look isn't enough: on a busy computer, two
+    requests may get the same report of the robot.
     """
     began = since = time.monotonic()
     before = None
@@ -31,8 +31,8 @@ def comes_to_rest(watcher, still=1.5, within=10.0):
 
 @pytest.mark.parametrize("end", [signal.SIGSTOP, signal.SIGKILL])
 def test_a_pendant_that_hangs_or_dies(tmp_path, monkeypatch, end):
-    """Nobody lets the button go, and nobody says anything: the coordinator's own watchdog brings the robot
-    to rest.
+    """Nobody releases the button, and no message arrives. The coordinator's own watchdog brings the robot to
+    rest.
     """
     (tmp_path / "work").mkdir()
     workshop = Workshop(tmp_path / "work")

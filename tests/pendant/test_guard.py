@@ -1,4 +1,4 @@
-"""Whose a request is, before anything looks at it."""
+"""Tests of the security checks that precede each request: host name, origin, size and role."""
 
 import asyncio
 from importlib import resources
@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from coordinator.virtual import run
-from pendant.at_robot import Browser, pendant
+from pendant.at_robot import Browser, pendant, scope_of
 
 from yarclang.pendant.accounts.roles import Role
 from yarclang.pendant.web.app import ROUTES
@@ -62,7 +62,7 @@ def test_pages_of_other_sites_are_refused(monkeypatch, tmp_path):
     ],
 )
 def test_other_names_are_refused(monkeypatch, tmp_path, host):
-    """A site that gives itself this machine's address."""
+    """Requests to another host name are refused: another site may let its name point to this computer."""
 
     async def work(place):
         anna = place.logged_in("anna")
@@ -100,12 +100,12 @@ def test_every_answer_forbids_what_comes_from_elsewhere(monkeypatch, tmp_path):
 
 
 def test_no_page_loads_anything_from_elsewhere():
-    # what browsers load of the two bundled libraries is held by the content security policy, in a real
-    # browser
+    # The two bundled libraries aren't searched. Their requests are checked in a real browser, by the content
+    # security policy.
     own = [one for one in PAGES.rglob("*") if one.is_file() and one.parent.name != "bundles"]
     assert len(own) > 10
     for one in own:
-        # the name space of drawings is a name: nothing is loaded from there
+        # The SVG namespace is only a name; nothing is loaded from it.
         text = one.read_text().replace('"http://www.w3.org/2000/svg"', "")
         for word in (
             "http://",
@@ -118,7 +118,7 @@ def test_no_page_loads_anything_from_elsewhere():
             "document.write",
             "<script>",
         ):
-            allowed = one.name == "docs.js" and word == "http://"  # the example of a client
+            allowed = one.name == "docs.js" and word == "http://"  # the address in the example of a client
             assert word not in text or allowed, (one.name, word)
         assert ' style="' not in text
 
@@ -195,9 +195,71 @@ def test_bodies_that_arent_understood(monkeypatch, tmp_path, raw):
     at(monkeypatch, tmp_path, work)
 
 
+@pytest.mark.parametrize("path", ["/api/robot", "/api/jog", "/api/analyst"])
+def test_binary_messages_close_a_socket(monkeypatch, tmp_path, path):
+    async def work(place):
+        socket = place.logged_in("anna").socket(path)
+        socket.say_bytes(b'{"order": "status"}')
+        while await socket.hear() is not None:
+            pass
+        assert socket.code == 1003
+        await socket.ended()
+
+    at(monkeypatch, tmp_path, work)
+
+
+def test_a_browser_that_dies_within_its_request(monkeypatch, tmp_path):
+    """Nothing is done, and no exception reaches the server, which would print it."""
+
+    async def work(place):
+        anna = place.logged_in("anna")
+        arrives = [
+            {"type": "http.request", "body": b'{"order"', "more_body": True},
+            {"type": "http.disconnect"},
+        ]
+        sent = []
+
+        async def receive():
+            return arrives.pop(0)
+
+        async def send(message):
+            sent.append(message)
+
+        for path in ("/api/orders/own", "/api/login"):
+            left, sent[:] = list(arrives), []
+            await place.app(scope_of("http", path, anna.headers(), "http", "POST"), receive, send)
+            assert sent[0]["status"] == 400
+            arrives[:] = left
+        assert place.coordinator.owner == ""
+
+    at(monkeypatch, tmp_path, work)
+
+
+def test_a_body_that_doesnt_arrive(monkeypatch, tmp_path):
+    async def work(place):
+        anna = place.logged_in("anna")
+        clock = asyncio.get_running_loop().time
+        for gap, within in ((40.0, 31.0), (5.0, 66.0)):
+            begun, sent = clock(), []
+
+            async def receive(gap=gap):
+                await asyncio.sleep(gap)
+                return {"type": "http.request", "body": b" ", "more_body": True}
+
+            async def send(message, sent=sent):
+                sent.append(message)
+
+            await place.app(scope_of("http", "/api/login", anna.headers(), "http", "POST"), receive, send)
+            assert sent[0]["status"] == 409
+            assert b"too slowly" in sent[1]["body"]
+            assert clock() - begun <= within
+
+    at(monkeypatch, tmp_path, work)
+
+
 @pytest.mark.parametrize("role", [Role.VIEWER, Role.OPERATOR, Role.PROGRAMMER])
 def test_every_route_checks_the_role(monkeypatch, tmp_path, role):
-    """Somebody forges all requests that there are: what is for more is refused, and nothing has changed."""
+    """A user sends requests to all routes. Those that need a higher role are refused, and change nothing."""
 
     async def work(place):
         place.logged_in("anna")
@@ -214,7 +276,7 @@ def test_every_route_checks_the_role(monkeypatch, tmp_path, role):
                 else {}
             )
             answered = await eve.ask(route.method, path, body)
-            # what isn't a message at all is told first
+            # The body may be refused as malformed before the role is checked.
             assert answered.status in (400, 403), (route.path, answered.status)
             refused += answered.status == 403
         assert refused >= {Role.VIEWER: 20, Role.OPERATOR: 15, Role.PROGRAMMER: 5}[role]

@@ -1,4 +1,4 @@
-"""Health: what is measured, what is judged, and what viewers see of it."""
+"""Tests of the page Health: measurements, ratings, and the data that viewers see."""
 
 import asyncio
 import os
@@ -52,7 +52,7 @@ def test_levels(found, level):
 
 def test_how_little_room_is_left():
     disks = [Disk("the project", 50_000_000_000, 99), Disk("the run logs", 20_000_000, 99)]
-    assert judging.low_of(disks) == "20.0 MB are free on the disk of the run logs, and 500.0 MB are needed"
+    assert judging.low_of(disks) == "20.0 MB are free on the disk of the run logs, but 500.0 MB are needed"
     assert judging.low_of(disks[:1]) == judging.low_of([]) == ""
 
 
@@ -98,7 +98,7 @@ def test_what_a_viewer_sees(monkeypatch, tmp_path):
                 os.uname().nodename,
             ):
                 assert secret not in told["text"], secret
-            # the disk fills: the alarm comes with the next look
+            # When the disk fills up, the next check raises an alarm.
             monkeypatch.setattr(
                 measuring.shutil, "disk_usage", lambda _: SimpleNamespace(total=10**9, free=10**6)
             )
@@ -129,7 +129,8 @@ def test_one_look_for_all_pages(monkeypatch, tmp_path):
                 for one in vics:
                     assert (await one.get("/api/system/health")).status == 200
             assert 5 <= len(looked) <= 17
-            # something holds the loop: it is the worst of the last minute, and is forgotten after it
+            # A long delay of the event loop counts as the worst of the last minute, and is forgotten after a
+            # minute.
             sampler.lag.note(0.3)
             levels = {
                 one["name"]: one["level"] for one in (await vics[0].get("/api/system/health")).told["watched"]

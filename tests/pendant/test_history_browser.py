@@ -1,5 +1,5 @@
-"""The pages of the history in a real browser: a fault is explained and acknowledged on another page; a run
-is plotted and replayed.
+"""Browser tests of the history pages: a fault is explained and acknowledged on another page, and a run is
+plotted and replayed.
 """
 
 import pytest
@@ -21,7 +21,7 @@ LINE = 7
 
 @pytest.fixture
 def place(tmp_path):
-    """A pendant whose program fails at a WAIT, and a browser where anna is logged in."""
+    """Fixture: a pendant whose program fails at a WAIT, and a browser in which anna is logged in."""
     browser_or_skip()
     (tmp_path / "job.yarc").write_text(TEXT)
     (tmp_path / "yarc-runs").mkdir()
@@ -41,7 +41,7 @@ def place(tmp_path):
 
 
 def fails(api):
-    """Run the program to its fault; the log is closed then."""
+    """Run the program until it fails. Its log is then closed."""
     assert api.call("POST", "/api/control", {})["given"]
     number = api.order("load", file="job.yarc", approach=True)["program"]["number"]
     assert api.order("run", program=number)["code"] == "Y1604"
@@ -49,7 +49,7 @@ def fails(api):
 
 
 def press(browser, where, label):
-    """Press the button or link of this name."""
+    """Press the button or link with a given label."""
     until(
         lambda: browser.execute_script(
             "const it = [...document.querySelectorAll(`${arguments[0]} :is(button, a)`)].find((one) => "
@@ -69,7 +69,7 @@ def test_a_fault_is_explained_and_a_run_replayed(place):
     assert hidden(browser, ".alarm")
     fails(api)
     until(lambda: shown(browser, ".alarm").startswith("Y1604P0030 WAIT"))
-    # another page of anna's, where it is read and acknowledged
+    # Another page of anna's, on which the alarm is read and acknowledged.
     first = browser.current_window_handle
     browser.switch_to.new_window("tab")
     size(browser, *SIZES[0])
@@ -77,12 +77,12 @@ def test_a_fault_is_explained_and_a_run_replayed(place):
     until(lambda: shown(browser, ".alarm").startswith("Y1604"))
     click(browser, ".alarm")
     until(lambda: "an input didn't come in time" in shown(browser, ".explained"))
-    assert "look at the input" in shown(browser, ".alarm-details .remedy")
+    assert "check the input" in shown(browser, ".alarm-details .remedy")
     assert f"job.yarc, line {LINE}" in shown(browser, ".alarm-details .facts")
     press(browser, ".alarm-details", "Acknowledge")
     until(lambda: "acknowledged" in shown(browser, ".alarm-list .badge"))
     assert "by anna" in shown(browser, ".alarm-details .facts")
-    # it holds until the fault is cleared
+    # The alarm stays in the bar until the fault is cleared.
     assert not hidden(browser, ".alarm")
     api.call("POST", "/api/control", {})
     api.order("clear")
@@ -99,7 +99,7 @@ def test_a_fault_is_explained_and_a_run_replayed(place):
             "No alarm is open" in shown(browser, ".alarm-list") or "acknowledged" in shown(browser, ".badge")
         )
     )
-    # the run
+    # Open the log of the run.
     goes_to(browser, "history/runs")
     until(lambda: "job.yarc" in shown(browser, ".run-list") and "by anna" in shown(browser, ".run-list"))
     click(browser, ".run-list .open")

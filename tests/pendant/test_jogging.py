@@ -1,5 +1,5 @@
-"""Hold-to-run by way of the API, in virtual time: what is pressed moves, what is let go or falls silent
-rests.
+"""Tests of hold-to-run through the API, in virtual time: the robot moves while a button is pressed, and rests
+when the button is released or the page falls silent.
 """
 
 import asyncio
@@ -15,7 +15,7 @@ TURN = {"velocity": {"J1": 20.0}}
 
 
 async def pressed(line, press, want, seconds):
-    """Say what is wanted for a time, with fresh heartbeats; return all that was heard."""
+    """Send a request for a time, with fresh heartbeats. Return all received messages."""
     loop = asyncio.get_running_loop()
     until = loop.time() + seconds
     heard = line.waiting()
@@ -32,7 +32,9 @@ async def rested(world, within=1.0):
 
 
 def trial(monkeypatch, tmp_path, work, **options):
-    """Carry out work with a pendant whose programmer controls the robot, with a jog's socket."""
+    """Run a test coroutine with a pendant, a programmer who controls the robot, and the programmer's socket
+    for jogs.
+    """
 
     async def whole():
         async with pendant(monkeypatch, tmp_path, **options) as place:
@@ -73,19 +75,61 @@ def test_silence_ends_it(monkeypatch, tmp_path):
         ended = await line.until(lambda message: message.get("state") == "ended")
         assert "0.2 s" in ended["why"]
         await rested(place.world)
-        # the page Jog says why: it is no alarm, which would shift the buttons of a page below it
+        # The reason is shown on the page Jog. It isn't an alarm, whose bar would shift the buttons.
         page = anna.socket("/api/robot")
         told = await page.until(
             lambda message: message.get("event") == "display" and message["mode"] == "idle"
         )
         assert told["alarm"]["number"] == 0
         await page.close()
-        # a press that has ended never moves it again
+        # A press that has ended never moves the robot again.
         before = place.world.stands()
         await pressed(line, 1, TURN, 0.5)
         assert np.allclose(place.world.stands(), before)
         await pressed(line, 2, TURN, 0.5)
         assert place.world.moving
+
+    trial(monkeypatch, tmp_path, work)
+
+
+def test_messages_from_before_a_suspension_of_the_process_move_nothing(monkeypatch, tmp_path):
+    """While the pendant's process is suspended, it sends no heartbeats. So a page that has died meanwhile has
+    left messages with the newest heartbeat.
+    """
+
+    async def work(place, anna, line):
+        loop = asyncio.get_running_loop()
+        before = place.world.stands()
+        beat = (await line.until(lambda message: "beat" in message))["beat"]
+        loop.virtual += 1.5  # nothing runs in this time
+        line.say({"press": 1, "beat": beat, **TURN})
+        line.say({"press": 2, "beat": beat, **TURN})
+        for press in (1, 2):
+            ended = await line.until(lambda message: message.get("state"))
+            assert (ended["press"], ended["state"]) == (press, "ended")
+            assert "too late" in ended["why"]
+        await asyncio.sleep(1.0)
+        assert np.allclose(place.world.stands(), before)
+        await pressed(line, 3, TURN, 0.5)
+        assert place.world.moving
+
+    trial(monkeypatch, tmp_path, work)
+
+
+def test_a_stop_before_it_begins_is_respected(monkeypatch, tmp_path):
+    """The next jog waits until the previous one has come to rest. It doesn't begin after another user's
+    stop.
+    """
+
+    async def work(place, anna, line):
+        vic = place.logged_in("vic", Role.VIEWER)
+        await pressed(line, 1, TURN, 0.5)
+        line.say({"release": 1})
+        await pressed(line, 2, TURN, 0.1)
+        assert (await vic.order("stop")).status == 200
+        heard = await pressed(line, 2, TURN, 0.5)
+        assert [one["state"] for one in heard if one.get("press") == 2] == ["ended"]
+        assert not place.world.moving
 
     trial(monkeypatch, tmp_path, work)
 
@@ -112,7 +156,7 @@ def test_the_end_of_the_session_ends_it(monkeypatch, tmp_path):
 
 
 def test_messages_that_come_late_move_nothing(monkeypatch, tmp_path):
-    """A network that holds everything back for a second, and then delivers it at once."""
+    """A network delays all messages for a second, and then delivers them at once."""
 
     async def work(place, anna, line):
         await line.until(lambda message: message.get("beat", 0) >= 10)
@@ -154,7 +198,9 @@ def test_let_go_before_it_began(monkeypatch, tmp_path):
 
 
 def test_a_second_press_ends_nothing_and_begins_nothing(monkeypatch, tmp_path):
-    """Two pages' fingers are two presses; one page makes one of all that is held."""
+    """While a press is under way, a second press on the same line isn't started. (A page joins all held
+    buttons into one press.)
+    """
 
     async def work(place, anna, line):
         await pressed(line, 1, TURN, 0.3)
@@ -170,13 +216,15 @@ def test_a_second_press_ends_nothing_and_begins_nothing(monkeypatch, tmp_path):
 
 
 def test_a_second_page_of_the_same_person_takes_nothing_over(monkeypatch, tmp_path):
-    """Two pages hold a button; after a STOP neither moves the robot before it is let go."""
+    """Two pages of a user hold a jog button. After a STOP, a page moves the robot only if its button has been
+    released and pressed again.
+    """
 
     async def work(place, anna, line):
         second = anna.socket("/api/jog")
         await pressed(line, 1, TURN, 0.4)
         heard = await pressed(second, 1, TURN, 0.2)
-        assert any("another page" in one.get("why", "") for one in heard)
+        assert any("another of your pages is jogging" in one.get("why", "") for one in heard)
         await pressed(line, 1, TURN, 0.2)
         assert (await anna.order("stop")).status == 200
         for _ in range(4):
@@ -211,7 +259,7 @@ def test_a_step_goes_so_far_and_no_farther(monkeypatch, tmp_path, step, axes, jo
             heard += await pressed(line, press, {"step": step, "axes": axes}, 0.2)
         await rested(place.world)
         await asyncio.sleep(0.5)
-        # it is done: the same press does nothing more
+        # The step is complete, so the same press moves nothing more.
         await pressed(line, press, {"step": step, "axes": axes}, 0.3)
         assert not place.world.moving
         after = (await anna.order("where")).told

@@ -1,5 +1,5 @@
-"""The page Run in a real browser: what is told before a start, steps, backwards, from a command on, and
-the way to a point while a button is held.
+"""Browser tests of the page Run: information before a start, single steps, backwards, start at a given
+command, and the motion to a point while a button is held.
 """
 
 import contextlib
@@ -37,7 +37,7 @@ joints = { J1 = [20, 30] }
 
 
 SIZE = 1024, 700
-"""Without the picture, which software draws here, and slowly: it has tests of its own."""
+"""Window size at which the 3D view is hidden. It is rendered slowly here, and has tests of its own."""
 
 
 @pytest.fixture(scope="module")
@@ -57,7 +57,7 @@ def place(tmp_path_factory):
 
 
 def press(browser, where, label):
-    """Press the button that is called so."""
+    """Press the button whose label begins with a text."""
     until(
         lambda: browser.execute_script(
             "const it = [...document.querySelectorAll(`${arguments[0]} button`)].find((one) => "
@@ -69,7 +69,7 @@ def press(browser, where, label):
 
 
 def chosen(place, name="job.yarc"):
-    """Choose a program anew; return once it is proved."""
+    """Choose a program again, and return when it is proved."""
     browser = place.browser
     until(lambda: place.api.order("status")["state"] == "stop")
     goes_to(browser, "status")
@@ -96,7 +96,7 @@ def test_what_is_told_before_the_start(place):
         "Version",
     ):
         assert words in told
-    # everything to press is on the smallest screen, without scrolling
+    # On the smallest screen, all buttons are visible without scrolling.
     size(browser, 800, 480)
     time.sleep(0.3)
     hidden = browser.execute_script(
@@ -110,7 +110,7 @@ def test_what_is_told_before_the_start(place):
     )
     assert hidden == []
     size(browser, *SIZE)
-    # the bar tells command, line and joints of its time
+    # The timeline shows the command, line and joints at the chosen time.
     browser.execute_script(
         "const bar = document.querySelector('.timeline input'); bar.value = 3; bar.dispatchEvent(new "
         "Event('input'))"
@@ -119,8 +119,8 @@ def test_what_is_told_before_the_start(place):
     assert "J1 8.0" in shown(browser, ".timeline .joints")
     (place.folder / "job.yarc").write_text(TEXT.replace("8 8 0", "8 9 0"))
     press(browser, ".actions", "Run")
-    until(lambda: "what was proved is what runs" in shown(browser, ".ask"))
-    # a program that was changed on another page meanwhile is proved anew, not carried out as it was
+    until(lambda: "the proved version will run" in shown(browser, ".ask"))
+    # A program that was changed on another page is proved again, instead of running the old text.
     browser.execute_script("location.hash = '#/program'")
     until(lambda: not shown(browser, ".playback"))
     browser.execute_script("location.hash = '#/run'")
@@ -143,9 +143,9 @@ def test_step_by_step_and_backwards(place):
         press(browser, ".actions", "Step")
     until(lambda: "Before P0030 MOVEJ (2 of 3)" in shown(browser, ".doing"))
     assert place.joints()["J1"] == pytest.approx(8.0, abs=0.01)
-    # the page is loaded anew meanwhile: the robot stands, and goes on
+    # The page is reloaded while the robot waits between two commands; the run can be continued.
     browser.refresh()
-    until(lambda: "Step carries it out" in shown(browser, ".doing"))
+    until(lambda: "press Step to execute it" in shown(browser, ".doing"))
     press(browser, ".actions", "Step")
     until(lambda: "Before P0040 MOVEJ (3 of 3)" in shown(browser, ".doing"))
     assert place.joints()["J2"] == pytest.approx(8.0, abs=0.01)
@@ -164,7 +164,7 @@ def test_from_a_command_on(place):
     press(browser, ".commands", "6P0030 MOVEJ")
     press(browser, ".detail", "From here")
     until(lambda: "from P0030 on" in shown(browser, ".chosen"), 60.0)
-    assert "A proved way leads there in" in shown(browser, ".chosen")
+    assert "A proved motion leads there in" in shown(browser, ".chosen")
     press(browser, ".actions", "Run")
     press(browser, ".ask", "Move there")
     until(lambda: "job.yarc is done" in shown(browser, ".chosen"), 30.0)
@@ -184,11 +184,11 @@ def test_the_way_to_a_point_while_the_button_is_held(place):
         time.sleep(0.3)
         touch(browser, "touchEnd")
         until(lambda: state(place) == "hold", 5.0)
-        # a busy computer may have ended the press before the finger did
-        until(lambda: any(words in shown(browser, ".go") for words in ("rests on its path", "press again")))
+        # On a busy computer, the press may have ended before the finger was lifted.
+        until(lambda: any(words in shown(browser, ".go") for words in ("at rest on its path", "press again")))
         places.append(place.joints()["J2"])
     assert 0.0 < places[0] < places[1] < 8.0
-    # the page is left while it is held: it rests, and is ended
+    # The page is left while the button is held: the robot comes to rest, and the motion ends.
     touch(browser, "touchStart", ".hold-to-go")
     time.sleep(0.3)
     goes_to(browser, "status")
@@ -208,7 +208,7 @@ def test_a_loop_is_held_and_resumed(place):
     if shown(browser, ".ask"):  # the robot isn't at the program's start yet
         press(browser, ".ask", "Move there")
     until(lambda: "Pass 1 of 2" in shown(browser, ".doing"))
-    until(lambda: state(place) == "move")  # before that, a hold would end it
+    until(lambda: state(place) == "move")  # before this state, a hold would end the program
     press(browser, ".actions", "Hold")
     until(lambda: "Held" in shown(browser, ".doing"))
     press(browser, ".actions", "Resume")
@@ -218,13 +218,13 @@ def test_a_loop_is_held_and_resumed(place):
 
 
 def test_a_start_that_cannot_be_reached_and_no_place_either(place):
-    """The robot stands at HOME; all of the program lies behind a window that is forbidden."""
+    """The robot is at HOME, and the whole program lies behind a forbidden window of joint positions."""
     browser = chosen(place, "far.yarc")
     before = place.joints()
     press(browser, ".actions", "Run")
-    until(lambda: "can't get to its start" in shown(browser, ".ask"), 30.0)
+    until(lambda: "can't reach the start" in shown(browser, ".ask"), 30.0)
     press(browser, ".ask", "Nearest place")
-    until(lambda: "No proved motion leads from where the robot stands" in shown(browser, ".ask"), 60.0)
+    until(lambda: "No proved motion leads from the robot's position" in shown(browser, ".ask"), 60.0)
     assert "NEVER" in shown(browser, ".ask")
     press(browser, ".ask", "Close")
     assert place.joints() == pytest.approx(before, abs=0.01)

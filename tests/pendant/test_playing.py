@@ -1,5 +1,5 @@
-"""Programs as the page Run carries them out, by way of the API in virtual time: waits, faults, aborts,
-from a command on, and again.
+"""Tests of programs as the page Run executes them, through the API in virtual time: waits, faults, aborts,
+start at a given command, and repetition.
 """
 
 import asyncio
@@ -56,7 +56,9 @@ async def ended(task):
 
 
 def test_an_input_that_never_comes_and_the_way_on(monkeypatch, tmp_path):
-    """The WAIT ends with a fault of its own; `go_on` leads to a program that begins there."""
+    """The WAIT ends with a fault of its own. The reply's `go_on` names the command with which the program can
+    continue.
+    """
 
     async def work(place, otto):
         number, course = await loaded(otto)
@@ -111,7 +113,9 @@ def test_what_ends_it_on_the_way(monkeypatch, tmp_path, word):
 
 
 def test_a_program_that_ends_elsewhere_isnt_repeated(monkeypatch, tmp_path):
-    """The page offers no loop; who orders it all the same gets one pass."""
+    """A program that doesn't end at its start can't be repeated: the run ends with an error when the second
+    pass begins.
+    """
 
     async def work(place, otto):
         number, _ = await loaded(otto)
@@ -155,7 +159,7 @@ def test_what_is_told_is_bounded(monkeypatch, tmp_path):
             assert len(told.content) < 300_000
         assert (await otto.order("course", program=10**400)).status in (400, 409)
         guest = place.logged_in("guest", Role.VIEWER)
-        assert (await guest.order("course", program=number)).status == 409  # the program is otto's
+        assert (await guest.order("course", program=number)).status == 409  # otto has loaded the program
         assert not [one for one in place.deeds() if one[1] == "course"]
 
     trial(monkeypatch, tmp_path, work)

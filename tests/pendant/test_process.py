@@ -1,5 +1,5 @@
-"""The pendant as a process: everything that its pages do, by way of the API alone; restarts, kills, other
-processes, wrong usage.
+"""Tests of the pendant as a process, through the API alone: everything that its pages do, restarts, kills,
+other processes, and wrong usage.
 """
 
 import contextlib
@@ -18,7 +18,7 @@ from pendant.process import PASSWORD, PIN, PROGRAM, Api, first, serving
 
 
 def until(line, wanted, within=10.0):
-    """Return the next message of a socket for which something holds."""
+    """Wait for the next message of a socket that fulfils a condition, and return it."""
     end = time.monotonic() + within
     while True:
         message = json.loads(line.recv(timeout=max(0.0, end - time.monotonic())))
@@ -27,9 +27,9 @@ def until(line, wanted, within=10.0):
 
 
 def press(line, number, want, seconds):
-    """Hold something for a time; return what the jog said."""
+    """Hold a button for a time. Return the messages of the jog."""
     heard, end = [], time.monotonic() + seconds
-    with contextlib.suppress(TimeoutError):  # heartbeats that waited here are old
+    with contextlib.suppress(TimeoutError):  # drop the heartbeats that have waited, since they are old
         while True:
             line.recv(timeout=0.001)
     while time.monotonic() < end:
@@ -41,7 +41,7 @@ def press(line, number, want, seconds):
 
 
 def rests(api, within=10.0):
-    """Wait until nothing is under way."""
+    """Wait until nothing is running."""
     end = time.monotonic() + within
     while api.order("status")["state"] != "stop":
         assert time.monotonic() < end
@@ -56,7 +56,7 @@ def test_everything_by_way_of_the_api(tmp_path):
         robot = anna.call("GET", "/api/robot")
         assert [joint["name"] for joint in robot["joints"]] == ["J1", "J2", "J3", "J4", "J5", "J6"]
         assert [robot["moving"][0]["name"], robot["fixed"][0]["name"]] == ["{TCP}", "{B}"]
-        # people
+        # Users and sessions.
         anna.call(
             "POST", "/api/users", {"user": "olaf", "role": "operator", "password": PASSWORD}, status=403
         )
@@ -67,7 +67,7 @@ def test_everything_by_way_of_the_api(tmp_path):
         olaf.call("POST", "/api/login", {"user": "olaf", "password": PASSWORD})
         vic.call("POST", "/api/login", {"user": "vic", "password": PASSWORD})
         assert len(anna.call("GET", "/api/sessions")["sessions"]) == 3
-        # run, hold, resume, override, stop
+        # Run, hold, resume, override, stop.
         with olaf.socket("/api/robot") as page:
             assert olaf.call("POST", "/api/control", {})["given"]
             loaded = olaf.order("load", file="bend.yarc", approach=True)["program"]
@@ -87,7 +87,7 @@ def test_everything_by_way_of_the_api(tmp_path):
             vic.order("stop")
             assert until(page, lambda one: one.get("id") == "run")["what"] == "stopped on its path"
             olaf.order("override", percent=100.0)
-            # control goes to anna, who jogs
+            # anna gets control, and jogs.
             assert anna.call("POST", "/api/control", {})["given"] is False
             ask = until(page, lambda one: one.get("ask"))
             olaf.call("POST", "/api/control/give", {"to": ask["ask"]})
@@ -109,7 +109,7 @@ def test_everything_by_way_of_the_api(tmp_path):
         health = anna.order("health")
         assert all(motor["closed_loop"] and motor["homed"] for motor in health["motors"])
         assert anna.order("look")["wrong"] == []
-        # what everybody did
+        # The audit trail has the actions of all users.
         deeds = [(one["user"], one["action"]) for one in anna.call("GET", "/api/audit?count=500")["entries"]]
         for deed in (
             ("olaf", "run"),
@@ -125,7 +125,7 @@ def test_everything_by_way_of_the_api(tmp_path):
         vic.call("GET", "/api/me", status=401)
         anna.call("POST", "/api/logout")
         anna.call("GET", "/api/robot", status=401)
-        # what is served besides
+        # The pendant also serves other files, such as its description as OpenAPI.
         document = Api(url).call("GET", "/api/openapi.json")
         assert document["openapi"].startswith("3.1")
         assert set(document["paths"]["/api/orders/run"]) == {"post"}
@@ -133,7 +133,7 @@ def test_everything_by_way_of_the_api(tmp_path):
 
 
 def test_it_is_killed_while_it_jogs(tmp_path):
-    """The robot of a dead pendant comes to rest by its controller's guard, and its users are whole."""
+    """If the pendant dies, the guard PLC brings the robot to rest, and the database of users stays intact."""
     simulator = subprocess.Popen(
         [sys.executable, "-c", "from yarclang.cli.yarc import main; main()", "sim", "--robot", "INDUSTRIAL6",
             "--port", "0"],
@@ -151,12 +151,13 @@ def test_it_is_killed_while_it_jogs(tmp_path):
                 os.kill(process.pid, signal.SIGKILL)
                 process.wait()
         time.sleep(1.5)
-        # held by its guard: nothing moves until somebody ends that where the robot stands
+        # The guard PLC holds the robot: nothing moves until a user ends the held motion at the robot's
+        # present position.
         with serving(tmp_path, "--to", address) as (url, _, _):
             api = Api(url)
             api.call("POST", "/api/login", {"user": "anna", "password": PASSWORD})
             assert api.order("status")["state"] == "fault"
-            assert any("in the middle" in one for one in api.order("look")["wrong"])
+            assert any("an unfinished program is held" in one for one in api.order("look")["wrong"])
             api.call("POST", "/api/control", {})
             api.order("clear")
             assert api.order("status")["state"] == "stop"
@@ -174,7 +175,7 @@ def test_it_is_killed_while_it_jogs(tmp_path):
 
 
 def said(address, line):
-    """Say a line to a simulator, past everybody, and return what it answers."""
+    """Send a line directly to a simulator, and return its reply."""
     host, _, port = address.removeprefix("tcp://").rpartition(":")
     with socket.create_connection((host, int(port)), timeout=10) as wire:
         wire.sendall(struct.pack(">BBHHH", 0x40, 0xBF, 0, 0, len(line)) + line.encode())
@@ -191,8 +192,8 @@ def moves(address):
 
 
 def test_it_is_killed_while_it_homes(tmp_path):
-    """The controller goes on with a search by itself: its own PLC stops it. A restart, and all is as
-    before.
+    """The controller carries out a home search by itself. If the pendant dies, a PLC of the controller stops
+    the search. After a restart, everything works as before.
     """
     simulator = subprocess.Popen(
         [sys.executable, "-c", "from yarclang.cli.yarc import main; main()", "sim", "--robot", "INDUSTRIAL6",
@@ -223,7 +224,7 @@ def test_it_is_killed_while_it_homes(tmp_path):
                 process.wait()
                 while moves(address):
                     assert time.monotonic() - killed < 3.0
-        # 0.4 s of silence, the way to rest, and what a busy computer adds
+        # 0.4 s of silence, the time to brake, and a reserve for a busy computer
         assert time.monotonic() - killed < 2.0
         assert float(said(address, "#1P")) < -40000.0
         with serving(tmp_path, "--to", address) as (url, _, process):
@@ -236,7 +237,7 @@ def test_it_is_killed_while_it_homes(tmp_path):
                 heard = press(line, 1, {"home": [1]}, 8.0)
             assert "reached" in [one.get("state") for one in heard]
             assert not any("motor 1 is" in one for one in api.order("look")["wrong"])
-            # the process begins anew at the same place, and nobody has to log in again
+            # The process restarts at the same address, and nobody has to log in again.
             since = api.call("GET", "/api/system/controller")["since"]
             time.sleep(1.0)
             api.call("POST", "/api/system/restart", {})
@@ -310,7 +311,9 @@ def test_tls(tmp_path):
 
 
 def test_the_served_robot_dies_and_is_served_again(tmp_path, monkeypatch):
-    """A pendant that is attached to `yarc serve` says that nobody is there, and finds the robot again."""
+    """If `yarc serve` dies, the pendant says that the robot can't be reached. It finds the robot when it is
+    served again.
+    """
     from tests.cli.run_processes import Workshop
 
     (tmp_path / "work").mkdir()

@@ -1,5 +1,5 @@
-"""A program that is edited over the API: listed, taught where the robot stands, changed by forms; who may,
-and what is refused.
+"""Tests of editing a program through the API: its list, positions taught at the robot, changes by forms,
+rights, and refusals.
 """
 
 import asyncio
@@ -83,7 +83,7 @@ def test_nobody_teaches_while_the_robot_moves_or_is_lost(monkeypatch, tmp_path):
         await asyncio.sleep(1.5)
         refused = await edit(anna, {"kind": "touch-up", "line": 2})
         assert refused.status == 409
-        assert "under way" in refused.told["error"]
+        assert "the robot is moving: " in refused.told["error"]
         assert (await edit(anna, {"kind": "delete", "lines": [2, 2]})).status == 200
         await running
         assert (await edit(anna, {"kind": "touch-up", "line": 2})).status == 200
@@ -99,7 +99,7 @@ def test_nobody_teaches_while_the_robot_moves_or_is_lost(monkeypatch, tmp_path):
 
         monkeypatch.setattr(type(showing), "ask", lost)
         refused = await edit(anna, {"kind": "touch-up", "line": 2})
-        assert refused.told["error"].startswith("motor 2 is not referenced")
+        assert refused.told["error"].startswith("motor 2 is not homed")
 
     at(monkeypatch, tmp_path, work)
 

@@ -1,4 +1,4 @@
-"""The page Program in a real browser: list and text, edits by buttons, saving, drafts, findings, long
+"""Browser tests of the page Program: list and text, edits by buttons, saving, drafts, findings, long
 programs.
 """
 
@@ -23,7 +23,7 @@ UNDO = "[...document.querySelectorAll('.tools button')].find((one) => one.textCo
 
 
 class Page(Place):
-    """A browser where anna, who may do everything, has the page Program."""
+    """A browser in which anna, a service user, has the page Program open."""
 
     def run(self, script, *arguments):
         return self.browser.execute_script(script, *arguments)
@@ -43,7 +43,7 @@ class Page(Place):
         )
 
     def type(self, text):
-        """Type at the beginning of the text."""
+        """Type text at the beginning of the program."""
         from selenium.webdriver.common.action_chains import ActionChains
         from selenium.webdriver.common.keys import Keys
 
@@ -52,7 +52,7 @@ class Page(Place):
         keys.send_keys(text).perform()
 
     def press(self, label, within=".program"):
-        """Press a button by its words; it has to be usable."""
+        """Press the enabled button with a given label."""
         script = (
             "const it = [...document.querySelectorAll(`${arguments[1]} button`)].find((one) => "
             "(one.getAttribute('aria-label') ?? one.textContent) === arguments[0] && !one.disabled && "
@@ -61,7 +61,7 @@ class Page(Place):
         until(lambda: self.run(script, label, within))
 
     def row(self, title):
-        """Choose a row by its title."""
+        """Choose the row whose title begins with a text."""
         script = (
             "const it = [...document.querySelectorAll('.row')].find((one) => "
             "one.querySelector('.title').textContent.startsWith(arguments[0]));it?.click(); return "
@@ -73,7 +73,7 @@ class Page(Place):
         return self.run("return [...document.querySelectorAll('.row .title')].map((one) => one.textContent)")
 
     def discard(self):
-        """Take back what isn't saved, so that nothing asks."""
+        """Discard unsaved changes, so that leaving the page asks no question."""
         self.run("localStorage.setItem('yarc.anna.program', '{}')")
         goes = "location.hash = '#/run'"
         self.run(goes)
@@ -102,8 +102,8 @@ def page(tmp_path_factory):
 
 
 def test_list_text_and_findings_are_one(page):
-    """A row selects its lines, lines select their row; a finding is in the text, the list and the rows,
-    and its fix is one step.
+    """Choosing a row selects its lines, and selecting lines chooses their row. A finding is shown in the
+    text, in the list of findings and in the row, and its fix can be undone in one step.
     """
     page.open("wrong.yarc", 7)
     page.row("MOVEJ HOEM")
@@ -141,7 +141,7 @@ def test_buttons_and_typing_have_one_history(page):
     until(lambda: len(page.titles()) == 4)
     taught = page.text()
     assert taught.splitlines()[:3] == ["! typed", *before.splitlines()[:2]]
-    page.press("Touch up")  # the new motion is selected
+    page.press("Touch up")  # the new motion is the selected one
     page.press("Move up")
     until(lambda: page.titles()[-1] == "MOVEJ HOME")
     page.press("Delete")
@@ -163,8 +163,8 @@ def test_buttons_and_typing_have_one_history(page):
 
 
 def test_saving_and_others(page):
-    """Saving shows what changes; a file that somebody else has changed isn't overwritten without a
-    question; a draft survives a reload.
+    """Saving shows the changes. A file that another user has changed isn't overwritten without a question. A
+    draft survives a reload.
     """
     place = page.folder / "bend.yarc"
     place.write_bytes(PROGRAM.replace("\n", "\r\n").encode())
@@ -184,10 +184,10 @@ def test_saving_and_others(page):
     page.press("Save", ".sheet")
     until(lambda: place.read_bytes() == ("! mine\n" + PROGRAM).replace("\n", "\r\n").encode())
     until(lambda: not shown(page.browser, ".program .file").startswith("●"))
-    # nobody has changes here: what is on the disk is shown
+    # Without unsaved changes, the page shows the new text on the disk.
     place.write_text("! theirs\n" + PROGRAM)
     until(lambda: page.titles()[:1] == ["theirs"], 20.0)
-    # a draft survives a reload, and says that the file was changed meanwhile
+    # A draft survives a reload. The page says that the file was changed in the meantime.
     page.type("! draft\n")
     until(lambda: page.titles()[0] == "draft")
     page.run("window.dispatchEvent(new Event('pagehide'))")
@@ -198,18 +198,19 @@ def test_saving_and_others(page):
     accept(page.browser)
     until(lambda: "was changed on the disk" in shown(page.browser, ".warnings"), 30.0)
     assert page.text().startswith("! draft")
-    page.press("Look at the difference", ".warnings")
+    page.press("Show the difference", ".warnings")
     until(lambda: page.run("return Boolean(document.querySelector('.compared'))"))
     assert place.read_text().startswith("! newer")
     page.press("Write mine", ".sheet")
     until(lambda: place.read_text().startswith("! draft"))
-    # and the other way round
+    # Now the draft is dropped for the text on the disk.
     page.type("! again\n")
     place.write_text(PROGRAM)
     until(lambda: "was changed on the disk" in shown(page.browser, ".warnings"), 20.0)
     page.press("Take theirs", ".warnings")
     until(lambda: page.text() == PROGRAM)
-    # jogging between two points asks nothing: the draft, the chosen line and the history are there again
+    # A visit to the page Jog asks no question. Afterwards the draft, the chosen line and the undo history are
+    # back.
     page.type("! x\n")
     until(lambda: shown(page.browser, ".program .file").startswith("●"))
     until(lambda: page.titles()[0] == "x")
@@ -220,14 +221,14 @@ def test_saving_and_others(page):
     page.run("location.hash = '#/program'")
     until(lambda: shown(page.browser, ".row[aria-selected=true]") == chosen)
     assert page.text().startswith("! x")
-    # so is what undo knows
+    # The undo history is complete.
     for _ in range(10):
         page.run(UNDO)
     assert not page.text().startswith("! x")
     for _ in range(10):
         page.run(UNDO.replace("Undo", "Redo"))
     assert page.text().startswith("! x\n")
-    # what is on the disk would run: leaving for that asks
+    # The page Run would run the text on the disk, so leaving for it asks a question.
     page.run("location.hash = '#/run'")
     page.press("Stay", ".sheet")
     assert page.run("return location.hash").startswith("#/program")
@@ -239,7 +240,7 @@ def test_saving_and_others(page):
 
 
 def accept(browser):
-    """Accept the question whether a page with changes is left."""
+    """Confirm that a page with changes is left."""
     from selenium.common.exceptions import NoAlertPresentException
 
     try:
@@ -271,7 +272,9 @@ def test_names_are_texts_and_sizes_fit(page):
 
 
 def test_a_long_program(page):
-    """Five thousand lines: few rows are in the page, and the last one is reached."""
+    """Of a program with five thousand lines, only few rows are in the page, but the last one can
+    be reached.
+    """
     page.open("long.yarc", 5)
     rows = "return document.querySelectorAll('.row').length"
     assert page.run(rows) < 60
@@ -307,7 +310,7 @@ def test_the_line_that_runs_is_lit(page):
 
 
 def test_the_policy_holds(page):
-    """Nothing of the page was refused by the browser: no style, script or connection."""
+    """The browser has refused no style, script or connection of the page."""
     said = [one["message"] for one in page.browser.get_log("browser")]
     assert [
         one for one in said if "Content Security Policy" in one or "Refused" in one or "Uncaught" in one

@@ -1,5 +1,5 @@
-"""Two people at their pendants by chance, in virtual time: whatever they order in whatever order, nothing
-is streamed that wasn't proved, and after a stop the robot rests.
+"""Random test of two users at their pendants, in virtual time. Whatever they order, only proved lines are
+streamed, and the robot rests after a stop.
 """
 
 import asyncio
@@ -46,7 +46,7 @@ DEEDS = st.one_of(
 
 
 class People:
-    """Two browsers, with a jog's line each."""
+    """Two users, each with a browser and a socket for jogs."""
 
     def __init__(self, place, tally):
         self.place, self.tally = place, tally

@@ -1,4 +1,4 @@
-"""Who may order what."""
+"""Tests of the roles that orders need."""
 
 import pytest
 
@@ -6,11 +6,11 @@ from yarclang.coordinator.messages import orders, wants
 from yarclang.pendant.accounts.roles import AUDITED, NEEDS, WITH_PIN, Role, needed_for
 
 OWN = {orders.Hello, orders.Listen}
-"""What only the pendant's server says to the coordinator."""
+"""Orders that only the pendant's server sends to the coordinator."""
 
 
 def test_every_order_has_its_role():
-    """An order that is added later has to be thought about, and is refused until then."""
+    """A new order is refused until a role is chosen for it."""
     assert set(NEEDS) | OWN == {*orders.KINDS, *wants.KINDS}
 
 
@@ -33,7 +33,9 @@ def test_what_an_operator_gives_as_text_is_for_programmers():
     [{"cell": "empty.toml"}, {"source": "b.yarc"}, {"tolerance": (1000.0,)}, {"start": (0.0,)}, {"tm": 50.0}],
 )
 def test_what_is_proved_otherwise_is_for_programmers(field):
-    """An operator mustn't choose a cell without obstacles, or a tolerance of a metre."""
+    """Options that weaken a proof need a programmer: an operator mustn't choose a cell without obstacles, or
+    a tolerance of one metre.
+    """
     assert needed_for(orders.Load(file="a.yarc", **field)) is Role.PROGRAMMER
     assert (
         needed_for(orders.Load(file="a.yarc", first="P0020", approach=True, by_steps=True)) is Role.OPERATOR
@@ -70,7 +72,7 @@ def test_what_moves_the_robot_or_changes_it_is_audited():
         orders.Steer,
         orders.Leave,
         *wants.KINDS,
-    }  # jogs have an entry of their own
+    }  # jogs have an audit entry of their own
     assert set(AUDITED) == set(NEEDS) - silent
 
 

@@ -1,5 +1,5 @@
-"""Logs of runs: the list from heads and tails, what a log shows, downloads; forged, cut, huge and renamed
-files, links, too many at once.
+"""Tests of run logs: the list made from their beginnings and ends, their content, downloads; forged,
+truncated, huge and renamed files, links, and too many requests at once.
 """
 
 import asyncio
@@ -39,7 +39,7 @@ NAMES = ("turning.mcap", 'a "quoted" <b>.mcap', "日志\u202etxt.mcap")
 
 @pytest.fixture(scope="module")
 def log(tmp_path_factory):
-    """A whole log; its bytes."""
+    """Fixture: the bytes of a complete log."""
     job, plan = made()
     path, _ = whole(tmp_path_factory.mktemp("log") / "turning.mcap", job, plan)
     return path.read_bytes()
@@ -124,7 +124,7 @@ def test_a_thousand_logs_are_listed_at_once(log, tmp_path):
         assert all(one.state == "whole" and one.well for one in told.runs)
     assert reads[0] < 5.0
     (runs / "p-1099.mcap").write_bytes(log[:-100])
-    assert listing.listed("").runs[0].state == "under way"  # it was changed just now
+    assert listing.listed("").runs[0].state == "under way"  # the log has no end, but was changed just now
     os.utime(runs / "p-1099.mcap", (2e9, 1.5e9))
     assert listing.listed("").runs[0].state == "cut off"
     assert listing.listed("p-1099.mcap").runs[0].state == "under way"
@@ -193,7 +193,7 @@ def test_what_a_log_shows(log, tmp_path):
 
 
 def forged(log, path, messages):
-    """Write a log that has the program and the robot of another one, and these messages."""
+    """Write a log with the program and robot of another log, and with the given messages."""
     records = read_records(log)
     with path.open("wb") as file:
         writer = Writer(file)
@@ -293,7 +293,7 @@ def test_logs_are_read_in_processes_of_their_own(log, tmp_path, monkeypatch):
             await read("text")
         with pytest.raises(Trouble, match="bytes"):
             await read("huge")
-        # a page that asks for everything at once
+        # Of six requests at once, two are refused as too many.
         monkeypatch.setattr(reading, "WAITING", 2)
         windows = [(0.1 * number, 9.0) for number in range(1, 7)]
         answers = await asyncio.gather(*(read("b", one) for one in windows), return_exceptions=True)
@@ -301,7 +301,7 @@ def test_logs_are_read_in_processes_of_their_own(log, tmp_path, monkeypatch):
         assert len(refused) == 2
         assert all(one.code == "busy" for one in refused)
         assert all(json.loads(one)["lines"] for one in answers if isinstance(one, bytes))
-        # a process that takes too long or too much
+        # A reading process that needs too much time or memory is ended.
         for name, value, said in (("_LONGEST", 0.05, "longer"), ("_MOST_MEMORY", 60 << 20, "memory")):
             with monkeypatch.context() as patched:
                 patched.setattr(reading, name, value)
@@ -343,7 +343,7 @@ def test_routes(log, monkeypatch, tmp_path):
         for path in ("show/project/x.mcap", "show/else/x.mcap", "download/logs/x.mcap", "show/project/../x"):
             assert (await vic.get(f"/api/runs/{path}")).status in (404, 409)
 
-        # somebody who is logged out while a log is read isn't shown it
+        # A user who logs out while a log is being read doesn't get its content.
         async def logged_out(self, handle, window):
             place.service.accounts.sessions.end(vic.session)
             return await instead(self, handle, window)

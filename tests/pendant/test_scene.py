@@ -1,5 +1,5 @@
-"""The robot in three dimensions by way of the API: links stand where the kinematics have them, meshes are
-complete, parts move with the gripper.
+"""Tests of the three-dimensional scene through the API: links are where the kinematics place them, meshes are
+complete, and parts move with the gripper.
 """
 
 import asyncio
@@ -41,7 +41,7 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
 def unpacked(content):
-    """Return corners, triangles and normals of a mesh as it is sent."""
+    """Return the corners, triangles and normals of a mesh in its binary format."""
     count, triangles = np.frombuffer(content, "<u4", 2)
     corners = np.frombuffer(content, "<f4", 3 * count, 8).reshape(-1, 3)
     faces = np.frombuffer(content, "<u4", 3 * triangles, 8 + 12 * count).reshape(-1, 3)
@@ -52,7 +52,7 @@ def unpacked(content):
 
 
 def pose_of(link):
-    """Return the matrix of x y z and a quaternion, by scipy."""
+    """Return the matrix of a position and a quaternion, computed by scipy."""
     made = np.eye(4)
     made[:3, :3], made[:3, 3] = Rotation.from_quat(link[3:]).as_matrix(), link[:3]
     return made
@@ -70,7 +70,7 @@ def test_links_stand_where_the_kinematics_have_them(name, values):
     assert np.abs(links[1] - [0, 0, 0, 0, 0, 0, 1]).max() < 1e-12
     flange = pose_of(links[0, -1]) @ robot.chain.base_from_flange
     assert np.abs(flange - flange_poses(robot.chain, q[:1])[0]).max() < 1e-9
-    # a joint moves nothing before it
+    # A joint doesn't move the links before it.
     other = q.copy()
     other[:, -1] += 0.3
     assert np.abs(packed(moved_links(robot.chain, other))[:, :-1] - links[:, :-1]).max() == 0.0
@@ -96,7 +96,7 @@ def test_quaternions_of_all_turns(axis, angle):
     [(Box(np.array([0.2, 0.3, 0.4])), 0.024), (Cylinder(0.1, 0.5), 0.0157), (Sphere(0.1), 0.0042)],
 )
 def test_a_mesh_keeps_its_body(shape, volume):
-    """Volume and directions are those of the shape: nothing is lost or turned inside out."""
+    """A mesh has the volume and the outward normals of its shape."""
     blob = blob_of(solid_of(shape))
     corners, faces, normals = unpacked(blob.content)
     if blob.packed:
@@ -137,7 +137,8 @@ def test_a_scene_of_the_robot(monkeypatch, tmp_path):
                 f"/api/scene/mesh/{item['mesh']}", headers=[("if-none-match", mesh.headers["etag"])]
             )
             assert (again.status, again.content) == (304, b"")
-        # the display has the same version, and the links at the joints that it tells
+        # The display names the same version of the scene, and the links are displaced according to its joint
+        # positions.
         line = vera.socket("/api/robot")
         display = await line.until(lambda one: one.get("event") == "display")
         assert display["scene"] == told["version"]
@@ -192,7 +193,7 @@ def test_nobody_sees_it_without_a_login(monkeypatch, tmp_path):
 
 
 def test_the_cost_is_paid_once(monkeypatch, tmp_path):
-    """Twenty pages ask at once: one stage is drawn."""
+    """If twenty pages request the scene at once, it is made only once."""
     from yarclang.pendant.scene import scenery
 
     drawn, made = scenery.drawn, []
@@ -210,7 +211,9 @@ def test_the_cost_is_paid_once(monkeypatch, tmp_path):
 
 
 def test_parts_are_where_the_gripper_has_them(monkeypatch, tmp_path):
-    """Where the coordinator says; while a program is under way, as its outputs have moved them."""
+    """Parts are shown where the coordinator reports them. During a program, the outputs of the program move
+    them.
+    """
     (tmp_path / "cell.toml").write_text((EXAMPLES / "05_pick_and_place.toml").read_text())
     (tmp_path / "yarc.toml").write_text('robot = "INDUSTRIAL6"\ncell = "cell.toml"\n')
 
@@ -226,7 +229,7 @@ def test_parts_are_where_the_gripper_has_them(monkeypatch, tmp_path):
         line = vera.socket("/api/robot")
         told = await anna.order("place-part", part="BLANK 1", at="frame", frame="{GRIPPER}", pose=[0] * 6)
         assert told.status == 200, told.told
-        # all pages learn that the scene is another one
+        # All pages are told that the scene has changed.
         await line.until(
             lambda one: one.get("event") == "display" and one["scene"] not in ("", first["version"])
         )
@@ -238,7 +241,7 @@ def test_parts_are_where_the_gripper_has_them(monkeypatch, tmp_path):
             next(one for one in second["axes"] if one["name"] == "GRIPPER")["pose"], (3, 4)
         )
         assert np.allclose(np.reshape(blank(second)["pose"], (3, 4)), gripper[:3], atol=1e-6)
-        # an output of a program opens the gripper: the part stays where the robot is then
+        # An output of a program opens the gripper. The part stays where the robot is at that moment.
         scenery, showing = place.service.scenery, place.service.watched.showing
         showing._under_way = "a program"
         scenery.hear(OutputSet(time_s=0.0, name="GRIP", variable="M1", value=0.0))
@@ -254,7 +257,9 @@ def test_parts_are_where_the_gripper_has_them(monkeypatch, tmp_path):
 
 
 def test_what_stops_a_jog_is_lit_until_the_next_one(monkeypatch, tmp_path):
-    """The coordinator names the body: wording plays no part, and a text that looks like it lights nothing."""
+    """The body that has stopped a jog is highlighted until the next jog. It is taken from the coordinator's
+    list of bodies, not from the wording of the message.
+    """
     (tmp_path / "cell.toml").write_text(NEAR)
     (tmp_path / "yarc.toml").write_text('robot = "INDUSTRIAL6"\ncell = "cell.toml"\n')
 
@@ -275,7 +280,7 @@ def test_what_stops_a_jog_is_lit_until_the_next_one(monkeypatch, tmp_path):
         scenery = place.service.scenery
         scenery.hear(Began(time_s=0.0, name="jog", duration_s=0.0, waits=0, client="x"))
         assert showing.display().stopped_by == ()
-        scenery.hear(Told(time_s=0.0, text="link_5 would come too near to TABLE"))
+        scenery.hear(Told(time_s=0.0, text="link_5 would come too close to TABLE"))
         assert showing.display().stopped_by == ()
         await jog.close()
         await line.close()
@@ -291,8 +296,8 @@ async def loaded(browser, file):
 
 
 def test_a_loaded_program_stands_in_its_own_cell(monkeypatch, tmp_path):
-    """The session has no cell, the program has one: feeder, press and gripper are there, and the parts at
-    the times of its course.
+    """A program with a cell is shown in this cell, although the session has none: with feeder, press and
+    gripper, and with the parts at each time of the program.
     """
     for one in EXAMPLES.glob("05_pick_and_place.*"):
         (tmp_path / one.name).write_text(one.read_text())
@@ -307,15 +312,15 @@ def test_a_loaded_program_stands_in_its_own_cell(monkeypatch, tmp_path):
         assert {"TRACK", "PRESS_TABLE", "FINGERS", "BLANK 1", "BLANK 3"} <= names
         assert told["tool"] == "GRIPPER"
         assert {"B", "FEEDER", "PRESS", "GRIPPER"} == {one["name"] for one in told["axes"] if one["matters"]}
-        # at each time one place for each part: it is held, and moves with the gripper, while the course
-        # carries it
+        # At each time, the part has exactly one place. While the gripper carries it, it moves with the
+        # gripper.
         course = (await otto.order("course", program=number)).told
         first = [item for item in told["items"] if item["name"] == "BLANK 1"]
         spans = sorted((item["begins_s"] or 0.0, item["ends_s"] or 1e9, item["joint"]) for item in first)
         assert [joint for _, _, joint in spans] == [0, place.world.robot.size, 0]
         assert all(one[1] == other[0] for one, other in itertools.pairwise(spans))
         assert spans[-1][1] < course["course"]["times"][-1]
-        # where the gripper takes it, it was lying before
+        # The gripper takes the part where it lay before.
         robot = place.world.robot
         taken = min(course["course"]["times"], key=lambda time: abs(time - spans[1][0]))
         q = np.array(course["course"]["joints"][course["course"]["times"].index(taken)]) * robot.axis_units
@@ -353,7 +358,7 @@ def test_a_program_is_drawn_once_for_its_own_session_only(monkeypatch, tmp_path)
             refused = await otto.get(f"/api/scene?program={wrong}")
             assert (refused.status, bool(refused.told["help"])) == (400, True), wrong
         assert (await otto.get(f"/api/scene?program={number + 1}")).status == 409
-        # nothing is kept of a session that has ended
+        # Nothing is stored for a session that has ended.
         kept = place.service.program_scenes
         assert (len(kept._kept), len(kept._loads)) == (1, 1)
         place.service.accounts.sessions.end(otto.session)
@@ -363,8 +368,8 @@ def test_a_program_is_drawn_once_for_its_own_session_only(monkeypatch, tmp_path)
 
 
 def test_a_coordinator_in_another_process_has_the_same_program(tmp_path):
-    """What it has loaded is compiled once more; another text by now is refused, and never shown as what
-    was proved.
+    """A program that a coordinator in another process has loaded is compiled again here. If its text has
+    changed, it is refused, so that it isn't shown as the proved program.
     """
     from yarclang.coordinator.course import course_described
     from yarclang.coordinator.loading import Source, load
@@ -378,5 +383,5 @@ def test_a_coordinator_in_another_process_has_the_same_program(tmp_path):
     course, order = course_described(here, 2), Load(file=str(file))
     assert _again(robot, order, course, None).program.source == here.program.source
     file.write_text(file.read_text().replace("MOVEJ 5", "MOVEJ 6"))
-    with pytest.raises(Trouble, match="isn't what was loaded"):
+    with pytest.raises(Trouble, match="has changed since it was loaded"):
         _again(robot, order, course, None)

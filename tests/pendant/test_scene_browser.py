@@ -1,5 +1,5 @@
-"""The robot in three dimensions in a real browser: bodies stand where they should, the ghost too, and
-nothing is left when it is closed.
+"""Browser tests of the 3D view: bodies and the ghost are in their places, and nothing remains in memory when
+the view is closed.
 """
 
 import time
@@ -42,7 +42,7 @@ size = [100, 100, 100]
 mass = 0.1
 """
 
-# A picture of its own, on a page of its own, whose insides can be looked at.
+# Open a separate 3D view, whose internal data the test can read.
 OPEN = """
 const [done] = [arguments[arguments.length - 1]];
 import("/scene/scene.js").then(({ Scene3D }) => {
@@ -106,7 +106,7 @@ def test_bodies_stand_where_they_should(place):
     columns = [found["flange"][row * 4 + column] for column in range(4) for row in range(4)]
     assert max(abs(one - other) for one, other in zip(found["tool"], columns, strict=True)) < 1e-5
     assert max(abs(a - b) for a, b in zip(names["BOX"][4][12:15], (-0.6, 0.5, 0.05), strict=True)) < 1e-6
-    # a pixel in the middle of the obstacle has its colour, and the background isn't it
+    # A pixel in the middle of the obstacle has the obstacle's colour; a pixel of the background hasn't.
     pixel = browser.execute_script(
         """
         const mesh = trial.bodies.items.find(({ item }) => item.kind === "obstacle").mesh;
@@ -152,7 +152,9 @@ def test_the_ghost_stands_elsewhere(place):
 
 
 def test_it_is_drawn_only_if_something_changes(place):
-    """Nothing moves, nothing is drawn; a lost context is told in words and comes back."""
+    """While nothing moves, no frame is drawn. If the graphics context is lost, the page says so, and draws
+    again later.
+    """
     browser = place.browser
     time.sleep(1.0)
     frames = browser.execute_script("return trial.painter.frames")
@@ -221,7 +223,7 @@ def test_a_picture_beside_jog_doesnt_slow_it(place):
     with held(place, "[data-axis=J1][data-sign='1']"):
         time.sleep(2.0)
     drawn = sorted(browser.execute_script("return drawn"))
-    # on a busy computer any frame may be interrupted: half of them aren't
+    # On a busy computer some frames are interrupted, so check only the faster half.
     assert 2 <= len(drawn) <= 40
     assert drawn[len(drawn) // 2] < 50.0
 

@@ -1,5 +1,5 @@
-"""Inputs and outputs of the API: what the cell says of them, the WAIT at which a program stands, who may
-switch what, and a thousand of them.
+"""Tests of inputs and outputs through the API: their entries in the cell, the WAIT at which a program stands,
+rights to switch them, and a thousand of them.
 """
 
 import asyncio
@@ -44,7 +44,7 @@ PART = CELL.replace('frame = "HAND"\nxyz', 'frame = "B"\nxyz').replace(
 WAITS = 'CELL "cell.toml"\nP0010 SET LAMP ON\nP0020 WAIT DOOR_OPEN ON\nP0030 SET LAMP OFF\n'
 
 FREE = [at for at in range(4100, 7000) if at % 100 < 60]
-"""Numbers of variables that yarclang doesn't use itself."""
+"""Numbers of controller variables that yarclang doesn't use itself."""
 
 
 def at(monkeypatch, tmp_path, work, cell=PART, **options):
@@ -63,7 +63,7 @@ def at(monkeypatch, tmp_path, work, cell=PART, **options):
 
 
 async def valued(browser):
-    """Return what is told of signals by their names: value, and whether a program told it."""
+    """Return for each signal its value, and True if a program reported this value."""
     shown, told = (await browser.get("/api/signals")).told, (await browser.get("/api/signals/values")).told
     assert shown["version"] == told["version"]
     names = [one["name"] for one in shown["signals"]]
@@ -100,20 +100,20 @@ def test_what_the_cell_says_and_who_may_switch(monkeypatch, tmp_path):
             True,
         )
         assert (await valued(ada))[0]["LAMP"] == (0, False)
-        # roles, and who controls the robot
+        # Refusals by role, and because another user controls the robot.
         for one in (ada, otto):
             assert (await one.order("set", name="LAMP", value=1)).status == 403
             assert (await one.order("input", name="DOOR_OPEN", value=1)).status == 403
         dora = place.logged_in("dora", Role.PROGRAMMER)
         refused = await dora.order("set", name="LAMP", value=1)
         assert refused.status == 409
-        # an input of a real controller is set by nobody
+        # Inputs of a real controller can't be set.
         assert (await bea.order("input", name="DOOR_OPEN", value=1)).told["code"] == "Y1619"
         made = (await bea.order("set", name="LAMP", value=1)).told
         assert made["value"] == 1
         await asyncio.sleep(2.0)
         assert (await valued(ada))[0]["LAMP"] == (1, False)
-        # a gripper that closes at a part holds it, and all are told
+        # A gripper that closes at a part holds it, and all pages are told.
         assert (await bea.order("set", name="GRIP", value="ON")).told["value"] == 1
         await asyncio.sleep(2.0)
         assert (await valued(ada))[1]["held"] == [{"output": "GRIP", "parts": ["BOX"]}]
@@ -149,7 +149,8 @@ def test_the_wait_at_which_a_program_stands(monkeypatch, tmp_path):
         await asyncio.sleep(12.0)
         values, told = await valued(bea)
         assert 11.0 < told["waiting"]["since_s"] < 15.0
-        # what the program told last stays known, and is marked; what nobody told isn't known
+        # The value that the program set last is known, and marked as reported. A value that nobody reported
+        # isn't known.
         assert values["LAMP"] == (1, True)
         assert values["PRESSURE"] == (None, False)
         refused = await bea.order("set", name="LAMP", value=0)
@@ -160,7 +161,7 @@ def test_the_wait_at_which_a_program_stands(monkeypatch, tmp_path):
         await asyncio.sleep(2.0)
         values, told = await valued(bea)
         assert told["waiting"] is None
-        assert values["LAMP"] == (0, False)  # its safe value, as the controller says
+        assert values["LAMP"] == (0, False)  # its safe value, as read from the controller
 
     at(monkeypatch, tmp_path, work)
 
@@ -188,7 +189,7 @@ def test_inputs_of_a_simulated_robot(monkeypatch, tmp_path):
 
 
 def test_a_thousand_signals_and_many_pages(monkeypatch, tmp_path):
-    """One question serves all pages, and the controller isn't asked all the time."""
+    """One request to the controller serves all pages, and the controller isn't asked all the time."""
     lines = "\n".join(f'IN_{at} = "M{at}"' for at in FREE[:500])
     more = "\n".join(f'OUT_{at} = "M{at}"' for at in FREE[500:1000])
     cell = f'units = "mm,deg,s"\n[inputs]\n{lines}\n[outputs]\n{more}\n'
@@ -225,7 +226,7 @@ def test_bad_days(monkeypatch, tmp_path):
         assert "can't be read" in (await bea.get("/api/signals")).told["trouble"]
         assert place.browser().session is None
         assert (await place.browser().get("/api/signals")).status == 401
-        # the coordinator is gone
+        # Without a connection to the coordinator, all requests are refused.
         place.service.watched._attached = None
         for path in ("/api/signals", "/api/signals/values", "/api/tools"):
             refused = await bea.get(path)

@@ -1,5 +1,5 @@
-"""Tools and frames: where frames come from, what a payload does to torques (as Pinocchio has it), and
-robot.toml with it.
+"""Tests of tools and frames: places of their declarations, effects of a payload on torques (compared with
+Pinocchio), and changes of robot.toml.
 """
 
 import json
@@ -29,7 +29,7 @@ TOOL = '[tools.Gripper]  # two fingers\nframe = "TCP"\nmass = 1.80  # weighed\n\
 
 
 def described(tmp_path, tool=TOOL):
-    """A robot with masses and a tool, in a project."""
+    """Return the description of a robot with masses and a tool, in a project."""
     heavy_industrial6(tmp_path)
     return changed(tmp_path, ("gravity = [0, 9.81, 0]", ""), ("[positions]", f"{tool}[positions]"))
 
@@ -57,7 +57,7 @@ def test_no_pose_within_the_limits_is_worse_than_the_worst(seed, size):
     lower, upper = -random.uniform(0.1, 3.0, size), random.uniform(0.1, 3.0, size)
     worst = worst_holding(arm.chain, arm.dynamics, lower, upper)
     assert ((worst.q >= lower - 1e-12) & (worst.q <= upper + 1e-12)).all()
-    # each pose that is named has the torque that is told
+    # At each reported pose, Pinocchio computes the reported torque.
     theirs = arm.rnea(worst.q, np.zeros((size, size)), np.zeros((size, size)))
     assert np.diag(theirs) == pytest.approx(worst.torque, abs=1e-9 * (1.0 + np.abs(theirs).max()))
     tried = random.uniform(lower, upper, (3000, size))
@@ -66,8 +66,8 @@ def test_no_pose_within_the_limits_is_worse_than_the_worst(seed, size):
 
 
 def test_payloads_are_pinocchios(tmp_path):
-    """Holding torques here and at the worst poses, of payloads written into robot.toml and read back, are
-    Pinocchio's with the body appended.
+    """Holding torques, at the present and at the worst poses, equal Pinocchio's. The payload is written into
+    robot.toml and read back; in Pinocchio it is appended as a body.
     """
     robot = load_robot(described(tmp_path)).value
     project = project_of(tmp_path)
@@ -134,13 +134,13 @@ def test_a_payload_leaves_all_else_to_the_byte(tmp_path):
         "mass = 1.80  # weighed\r\n", "mass = 2.25  # weighed\r\ncenter_of_mass = [0, 20.5, 0]\r\n"
     )
     assert after == wanted
-    # without a mass there is no centre either, and the loader agrees
+    # Without a mass, the center of mass is removed as well, and the result can be loaded.
     file.write_text(after, newline="")
     empty = with_payload(robot_file(robot, project), Payload(tool="GRIPPER", mass=0.0))
     assert "center_of_mass" not in empty
     file.write_text(empty, newline="")
     assert load_robot(folder).value.tools[0].mass == 0.0
-    # a new tool comes at the end, where its frame is one of the flange's
+    # A new tool is written at the end, if its frame is on the flange.
     added = with_payload(robot_file(robot, project), Payload(tool="cup", frame="flange", mass=1.0))
     assert (
         added == empty + '\r\n[tools.CUP]\r\nframe = "FLANGE"\r\nmass = 1\r\ncenter_of_mass = [0, 0, 0]\r\n'
@@ -208,7 +208,7 @@ def test_a_payload_is_shown_and_written(monkeypatch, tmp_path):
         refused = await anna.post("/api/tools/payload/save", save)
         assert (refused.status, refused.told["code"]) == (403, "pin")
         anna.session.pin_until = float("inf")
-        # changed on the disk, and put back
+        # Change the file on the disk, then restore it.
         file = tmp_path / "arm" / "robot.toml"
         text = file.read_text()
         file.write_text(text + "# later\n")
@@ -221,18 +221,19 @@ def test_a_payload_is_shown_and_written(monkeypatch, tmp_path):
         kept = (await anna.get("/api/trash")).told["deleted"]
         assert [one["file"] for one in kept] == ["arm/robot.toml"]
         assert (await cyn.get("/api/tools")).told["restart"]
-        # what would be proved of the changed robot says nothing of the one that runs
+        # A program is refused, because its proof with the changed description wouldn't be valid for the
+        # running robot.
         loaded = (await bea.order("load", file="bend.yarc")).told
         assert loaded["program"] is None
         assert [one["code"] for one in loaded["findings"]] == ["Y1392"]
-        assert "has changed since the robot is served" in loaded["findings"][0]["message"]
+        assert "has changed since the robot was served" in loaded["findings"][0]["message"]
         deeds = [
             (user, json.loads(detail)["what"])
             for user, action, detail, _ in place.deeds()
             if action == "file change"
         ]
         assert deeds == [("anna", "mass of tool GRIPPER: 80 kg")]
-        # what isn't a payload of this world
+        # Values that can't be a mass are refused.
         bad = (1e6, -1.0, "NaN", "1e400", None, "heavy", True, [1])
         for mass in bad:
             assert (await bea.post("/api/tools/payload", {**entered, "mass": mass})).status == 400, mass
@@ -265,7 +266,7 @@ def test_a_robot_of_the_library_is_shown_and_left_alone(monkeypatch, tmp_path):
         assert shown["after"].endswith('[tools.CUP]\nframe = "TCP"\nmass = 5\ncenter_of_mass = [0, 0, 0]\n')
         here = next(one for one in shown["torques"] if one["what"] == "here")
         assert here["now"] == [0] * 6
-        assert max(map(abs, here["then"])) > 10.0  # of the tool alone
+        assert max(map(abs, here["then"])) > 10.0  # only the torque of the tool
         refused = await anna.post("/api/tools/payload/save", {**entered, "known": shown["known"]})
         assert (refused.status, refused.told["code"]) == (409, "outside")
 

@@ -1,4 +1,4 @@
-"""The pages Tools and frames, and I/O, in a real browser."""
+"""Browser tests of the pages Tools and frames, and I/O."""
 
 import shutil
 
@@ -21,7 +21,9 @@ WAITS = (
 
 @pytest.fixture(scope="module")
 def place(tmp_path_factory):
-    """A pendant at a robot with masses in a project with a cell; anna, who controls it, is logged in."""
+    """Fixture: a pendant at a robot with masses, in a project with a cell; anna is logged in and controls the
+    robot.
+    """
     browser_or_skip()
     folder = tmp_path_factory.mktemp("pendant")
     heavy_industrial6(folder)
@@ -45,7 +47,7 @@ def place(tmp_path_factory):
 
 
 def press(browser, where, label):
-    """Press a button by what it says."""
+    """Press the button whose label contains a text."""
     until(
         lambda: browser.execute_script(
             "const one = [...document.querySelectorAll(arguments[0])].find((one) => "
@@ -69,7 +71,7 @@ def test_signals_are_shown_and_switched(place):
     goes_to(browser, "io")
     until(lambda: shown(browser, "[data-name=GRIP] .lamp") == "OFF")
     assert "the part doesn't fall" in shown(browser, "[data-name=GRIP]")
-    # an output that does something to a part is asked about
+    # An output that takes or drops a part is switched only after a question.
     click(browser, "[data-name=GRIP] [data-value='1']")
     until(lambda: "The gripper closes" in shown(browser, "dialog.asks"))
     assert browser.execute_script("return document.activeElement.textContent") == "Cancel"
@@ -78,19 +80,19 @@ def test_signals_are_shown_and_switched(place):
     click(browser, "[data-name=GRIP] [data-value='1']")
     press(browser, "dialog.asks button", "Switch")
     until(lambda: shown(browser, "[data-name=GRIP] .lamp") == "ON")
-    # the WAIT at which the robot stands, and the input set by hand that ends it
+    # The page shows the WAIT at which the robot stands. Setting its input by hand ends the WAIT.
     browser.execute_script(
         "const said = (path, body) => fetch(path, {method: 'POST', body: "
         "JSON.stringify(body)}).then((answer) => answer.json());said('/api/orders/load', {file: "
         "'wait.yarc'}).then((told) => said('/api/orders/run', {program: told.program.number}))"
     )
     until(lambda: shown(browser, ".io-wait").startswith("P0020 waits for PART_READY = OFF since"))
-    assert "outputs are the program's" in shown(browser, ".io-lists")
+    assert "Outputs can't be switched" in shown(browser, ".io-lists")
     assert browser.execute_script("return document.querySelector('[data-name=GRIP] [data-value]').disabled")
     click(browser, "[data-name=PART_READY] [data-value='0']")
     until(lambda: browser.execute_script("return document.querySelector('.io-wait').hidden"))
     until(lambda: shown(browser, "#bar .state") == "Idle")
-    # a number, a search, and who may not
+    # Set a number, search for a signal, and try it without the rights.
     click(browser, "[data-name=PRESS_LOADED] button:last-child")
     browser.execute_script("document.querySelector('dialog.asks input').value = '7'")
     press(browser, "dialog.asks button", "Set")
@@ -120,36 +122,37 @@ def test_one_choice_of_frames_and_a_payload(place):
     goes_to(browser, "jog")
     click(browser, "input[value=base]")
     until(lambda: chosen(browser) == wanted)
-    # a frame that isn't there any more falls back, with a word
+    # If the chosen frame no longer exists, the default is used, and the page says so.
     browser.execute_script(
         "localStorage.setItem('yarc.anna.jog', JSON.stringify({moving: '{GONE}', axes: '{B}'})); "
         "location.reload()"
     )
-    until(lambda: "There is no frame {GONE} any more" in shown(browser, "#notices"))
+    until(lambda: "The frame {GONE} no longer exists" in shown(browser, "#notices"))
     goes_to(browser, "setup/tools")
     until(lambda: chosen(browser) == {"moving": "{TCP}", "axes": "{B}"})
-    # what a payload does, and robot.toml with it
+    # Show the effect of a payload, and write it to robot.toml.
     press(browser, ".tool-names .pick", "GRIPPER")
     browser.execute_script(
         "document.querySelector('[name=mass]').value = '400'; "
         "document.querySelector('[name=center_y]').value = '500'"
     )
-    press(browser, ".payload-form button", "What it does")
+    press(browser, ".payload-form button", "Effect on the torques")
     press(browser, ".torque-kinds button", "Worst pose")
     assert browser.execute_script("return document.querySelectorAll('.torque[data-over=true]').length") > 0
-    assert "Its motor can't do this" in shown(browser, ".torque-bars")
-    press(browser, ".torques button", "Look at the change")
+    assert "This exceeds the limit of its motor" in shown(browser, ".torque-bars")
+    press(browser, ".torques button", "Show the change")
     press(browser, "dialog.shows button", "Write it")
     until(lambda: "Your PIN" in shown(browser, "dialog.asks"))
     browser.execute_script("document.querySelector('dialog.asks input').value = arguments[0]", PIN)
     press(browser, "dialog.asks button", "Go on")
-    until(lambda: "when the pendant is started anew" in shown(browser, ".payload .ask"))
+    until(lambda: "takes effect after a restart" in shown(browser, ".payload .ask"))
     text = (place.folder / "arm" / "robot.toml").read_text()
     assert "mass = 400  # weighed\ncenter_of_mass = [0, 500, 0]\n" in text
-    # another one changes the file while the change is shown: nothing is written, and the page says so
+    # If the file is changed by somebody else while the proposed change is shown, nothing is written, and the
+    # page says so.
     browser.execute_script("document.querySelector('[name=mass]').value = '3'")
-    press(browser, ".payload-form button", "What it does")
-    press(browser, ".torques button", "Look at the change")
+    press(browser, ".payload-form button", "Effect on the torques")
+    press(browser, ".torques button", "Show the change")
     (place.folder / "arm" / "robot.toml").write_text(text + "# later\n")
     press(browser, "dialog.shows button", "Write it")
     until(lambda: "another content" in shown(browser, "#notices"))

@@ -1,5 +1,5 @@
-"""The workspace: drafts become changes of texts, limits need the PIN, programs that no longer hold are
-named, and nobody gets round it.
+"""Tests of the workspace: drafts become changes of the files, limits need the PIN, programs that have errors
+with a draft are named, and nobody can circumvent the checks.
 """
 
 import asyncio
@@ -54,7 +54,9 @@ def sha256(path):
 
 
 def at(monkeypatch, tmp_path, work, cell=CELL, robot=False, named="cell.toml"):
-    """Work with a pendant at a project with a cell; `robot`: with a robot of its own."""
+    """Run a test coroutine with a pendant in a project with a cell. With `robot`, the project has a robot of
+    its own.
+    """
     project = tmp_path / "project"
     project.mkdir()
     (tmp_path / "state").mkdir()
@@ -124,14 +126,14 @@ def test_a_draft_changes_only_what_it_says_and_is_kept_in_the_audit_trail(monkey
             "changed",
             sha256(project / "cell.toml"),
         )
-        # the robot keeps to it at once
+        # The robot respects the new zone at once.
         assert (await sue.post("/api/orders/own")).status == 200
         wall = change(project, "zones", None, **WALL)
         assert (await sue.post("/api/workspace/save", wall)).status == 200
         offer = (await sue.order("offer", text="MOVEJ 0 0 0 0 30 0 [4] (deg,s)")).told
         assert offer["offer"] is None
         assert "WALL" in offer["findings"][0]["message"]
-        # a zone in which nothing can move is taken away again
+        # When the zone is removed, the same motion is offered again.
         shown = (await sue.get("/api/workspace")).told
         number = next(one["at"] for one in shown["entries"] if one["values"]["name"] == "WALL")
         assert (await sue.post("/api/workspace/save", change(project, "zones", number))).status == 200
@@ -172,7 +174,7 @@ def test_only_service_users_with_a_pin_at_rest(monkeypatch, tmp_path):
     [
         (WALL | {"size": [-1, 1, 1]}, "size"),
         (WALL | {"size": [1, 1]}, "3 values"),
-        (WALL | {"name": "BLOCK"}, "there already"),
+        (WALL | {"name": "BLOCK"}, "BLOCK is already used for the "),
         (WALL | {"name": "x\" ]\n[units"}, "can't write"),
         (WALL | {"name": "ÄÖ"}, "can't write"),
         (WALL | {"frame": "NOWHERE"}, "isn't a frame"),
@@ -296,7 +298,10 @@ def test_a_thousand_obstacles(monkeypatch, tmp_path):
         assert (await sue.post("/api/workspace/draft", drafts)).status == 200
         near = (await sue.post("/api/workspace/distances", {})).told
         assert len(near["pairs"]) == 8
-        assert "is long" in (await sue.post("/api/workspace/distances", {"draft": drafts})).told["what"]
+        assert (
+            "too long to check"
+            in (await sue.post("/api/workspace/distances", {"draft": drafts})).told["what"]
+        )
         assert time.perf_counter() - begun < 30.0
 
     at(monkeypatch, tmp_path, work, cell=many)
@@ -346,7 +351,8 @@ def test_a_broken_cell_is_shown_to_be_repaired(monkeypatch, tmp_path, broken):
             (project / "cell.toml").unlink()
         else:
             (project / "cell.toml").write_text(broken)
-        if broken is None or broken.endswith("[[["):  # the picture doesn't pass for a free way
+        # the scene says that the cell is missing, so that it doesn't look like free space
+        if broken is None or broken.endswith("[[["):
             notes = (await sue.get("/api/scene")).told["notes"]
             assert any("without the cell" in one for one in notes)
         shown = (await sue.get("/api/workspace")).told
@@ -384,14 +390,14 @@ def test_limits_of_joints(monkeypatch, tmp_path):
             assert said in refused.told["error"]
         draft = {"robot_known": sha256(path), "limits": [{"joint": "J1", "lower": -100, "upper": 120.5}]}
         saved = (await sue.post("/api/workspace/save", draft)).told
-        assert "once the robot is served again" in saved["told"]
+        assert "when the robot is served again" in saved["told"]
         assert path.read_text() == before.replace("[-170, 170]  # deg", "[-100, 120.5]  # deg", 1)
         assert (await sue.get("/api/workspace")).told["robot_waits"]
         assert "position of J1 from [-170, 170] to [-100, 120.5]" in place.deeds()[-1][2]
-        # until then nothing is proved for a robot that isn't the one that moves
+        # Until the restart no program is proved, because the description isn't that of the running robot.
         loaded = (await sue.order("load", file="up.yarc")).told
         assert loaded["program"] is None
-        assert "has changed since the robot is served" in loaded["findings"][0]["message"]
+        assert "has changed since the robot was served" in loaded["findings"][0]["message"]
 
     at(monkeypatch, tmp_path, work, robot=True)
 
@@ -445,7 +451,7 @@ def test_a_check_is_asked_for_named_in_the_audit_trail_and_ends_with_its_session
         assert not (await vic.get("/api/workspace/check")).told["mine"]
         assert (await sue.post("/api/workspace/check", draft)).status == 409
         await sue.ask("DELETE", "/api/workspace/check")
-        assert place.service.checks.is_busy  # it is another one's
+        assert place.service.checks.is_busy  # the running check is another user's
         place.service.accounts.sessions.end(pia.session)
         await asyncio.sleep(0.1)
         assert (await sue.get("/api/workspace/check")).told["state"] == "cancelled"
@@ -455,12 +461,12 @@ def test_a_check_is_asked_for_named_in_the_audit_trail_and_ends_with_its_session
         assert asked[1].cell == str(project / "cell.toml")
         assert "BLOCK" not in asked[1].drafts[str(project / "cell.toml")]
         assert (await sue.post("/api/workspace/save", draft)).status == 200
-        assert "1 of 1 programs no longer hold, 0 not checked" in place.deeds()[-1][2]
+        assert "1 of 1 programs can no longer be proved, 0 not checked" in place.deeds()[-1][2]
 
     at(monkeypatch, tmp_path, work)
 
 
-# nobody gets round it
+# the rules can't be bypassed
 
 
 def test_programmers_change_no_description_by_way_of_files(monkeypatch, tmp_path):
@@ -508,7 +514,7 @@ def test_programmers_change_no_description_by_way_of_files(monkeypatch, tmp_path
         await asyncio.sleep(0.1)
         refusals = [one for one in place.deeds() if one[0] == "pia" and one[3].startswith("refused")]
         assert len(refusals) == len(tries)
-        # service users are asked for the PIN, and may then
+        # A service user needs the PIN. After entering it, the change is allowed.
         sue.session.pin_until = 0.0
         refused = await sue.ask("PUT", "/api/files/cell.toml", {"text": "", "known": known})
         assert (refused.status, refused.told["code"]) == (403, "pin")
@@ -517,7 +523,7 @@ def test_programmers_change_no_description_by_way_of_files(monkeypatch, tmp_path
             await sue.ask("PUT", "/api/files/cell.toml", {"text": CELL + "\n", "known": known})
         ).status == 200
         assert (await sue.post("/api/files/restore", {"number": deleted})).status == 200
-        # all else is free
+        # All other files can be changed by a programmer.
         for method, path, body in (
             ("PUT", "/api/files/a.yarc", {"text": UP, "known": None}),
             ("PUT", "/api/files/b.inputs.toml", {"text": "", "known": None}),
@@ -571,7 +577,7 @@ def test_killed_while_it_saves_the_file_is_whole(monkeypatch, tmp_path):
     st.sampled_from(["\n", "\r\n"]),
 )  # fmt: skip
 def test_drafts_say_what_they_mean(steps, ending):
-    """Read back, a text with changes has just these entries, in their order."""
+    """If the text with a draft is read back, it has exactly the entries of the draft, in order."""
     import tomllib
 
     text = "# kept\n" + "".join(
@@ -666,7 +672,7 @@ def test_programs_that_no_longer_hold_are_named(tmp_path):
         assert "WALL" in first.message
         assert (second.file, second.held) == ("broken.yarc", False)
         assert any("WALL" in one for one in shown.standing)
-        assert checks.outcome("d") == "1 of 2 programs no longer hold, 1 not checked"
+        assert checks.outcome("d") == "1 of 2 programs can no longer be proved, 1 not checked"
         assert checks.outcome("another one") == "programs not checked"
         shown = await judged(checks, question(tmp_path, CELL + "# the same\n", joints=(9.0,) + (0.0,) * 5))
         assert (shown.broken, [one.holds for one in shown.programs]) == (0, [False, True])
@@ -695,7 +701,7 @@ def test_programs_are_proved_with_other_limits(tmp_path):
         ("turn.yarc", True, False),
         ("up.yarc", None, True),
     ]
-    assert shown.standing == ("J1 stands 5.944 deg beyond its limits",)
+    assert shown.standing == ("J1 is 5.944 deg beyond its limits",)
 
 
 DIES = """
@@ -726,7 +732,7 @@ def test_what_dies_or_hangs_is_left_out(monkeypatch, tmp_path):
         assert shown.state == "failed"
         shown = await judged(Checks(("/no/such/file",)), question(tmp_path, "", ("a",)), 30.0)
         assert shown.state == "failed"
-        assert "can't be begun" in shown.what
+        assert "can't be started" in shown.what
 
     asyncio.run(work())
 
@@ -735,7 +741,7 @@ def test_one_check_at_a_time_and_it_ends_with_its_session(tmp_path):
     async def work():
         checks = Checks((sys.executable, "-c", DIES))
         checks.begin(session(), question(tmp_path, "", ("hangs",)))
-        with pytest.raises(Trouble, match="sue has programs checked"):
+        with pytest.raises(Trouble, match="sue is already checking programs"):
             checks.begin(session("tom"), question(tmp_path, "", ("a",)))
         checks.cancel("tom")
         assert checks.is_busy

@@ -1,5 +1,5 @@
-"""The workspace page in a real browser: an obstacle is dragged, its numbers follow, and it is saved with
-the PIN.
+"""Browser test of the workspace page: an obstacle is dragged, its numbers follow, and the change is saved
+with the PIN.
 """
 
 import tomllib
@@ -11,7 +11,8 @@ from pendant.test_scene_browser import CELL
 from view.browser import browser_or_skip, opened_browser
 
 BLOCK = ".bodies button[data-name=BLOCK]"
-# Where the tip of the handle along z is on the screen, and that a finger's width around it is on the handle.
+# Find the tip of the handle along z on the screen, and check that a finger's width around it belongs to the
+# handle.
 HANDLE = """
 const { ghosts } = document.querySelector(".workspace").shown;
 const { handles, scene } = ghosts;
@@ -65,8 +66,8 @@ def test_an_obstacle_is_dragged_and_saved(place):
         60.0,
     )
     (_x, y), (tip_x, tip_y) = browser.execute_script(HANDLE)
-    assert 80 < abs(y - tip_y) < 130  # as large as a finger needs
-    # a finger beside the middle of the handle, but within 22 px of it
+    assert 80 < abs(y - tip_y) < 130  # the handle is large enough for a finger
+    # Touch beside the middle of the handle, but within 22 px.
     finger(browser, "touchStart", tip_x + 12, tip_y + 4)
     for step in range(1, 6):
         finger(browser, "touchMove", tip_x + 12, tip_y + 4 - 10 * step)
@@ -76,7 +77,7 @@ def test_an_obstacle_is_dragged_and_saved(place):
     assert block(browser) == f"obstacle, box, B 600 -500 {z}"
     assert float(z) > 110
     assert float(z) == round(float(z))
-    # one drag is one step back
+    # A drag is undone in one step.
     click(browser, ".draft-bar button:nth-of-type(1)")
     until(lambda: "600 -500 100" in block(browser))
     browser.execute_script(
@@ -85,7 +86,7 @@ def test_an_obstacle_is_dragged_and_saved(place):
     )
     until(lambda: "600 -500 321.5" in block(browser))
     click(browser, ".draft-bar .main")
-    until(lambda: "still holds" in shown(browser, ".checked"), 90.0)
+    until(lambda: "can still be proved" in shown(browser, ".checked"), 90.0)
     click(browser, ".sheet .main")
     until(lambda: browser.execute_script("return Boolean(document.querySelector('dialog.asks input'))"))
     browser.execute_script("document.querySelector('dialog.asks input').value = arguments[0]", PIN)
@@ -94,7 +95,7 @@ def test_an_obstacle_is_dragged_and_saved(place):
     found = tomllib.loads((folder / "cell.toml").read_text())
     assert found["obstacles"][0]["xyz"] == [600, -500, 321.5]
     assert (folder / "cell.toml").read_text() == CELL.replace("[600, -500, 100]", "[600, -500, 321.5]")
-    # the picture of all pages shows it
+    # The 3D view of all pages shows the change.
     until(
         lambda: any(
             one["name"] == "BLOCK" and abs(one["pose"][11] - 0.3215) < 1e-6

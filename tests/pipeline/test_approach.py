@@ -1,5 +1,5 @@
-"""The slow way to where a program starts knows the cell: straight where that is free, else round, else it
-is said why not.
+"""Tests of the approach to a program's start in a cell: a straight path if that is free, else a detour, else
+a finding with the reason.
 """
 
 import numpy as np
@@ -40,7 +40,10 @@ def test_where_nothing_is_known_around_it_goes_as_ever():
 
 
 def test_what_is_in_the_way_is_said():
-    for here, there, said in ((BEFORE, LEFT, "can't leave"), (LEFT, BEFORE, "can't go to the start")):
+    for here, there, said in (
+        (BEFORE, LEFT, "no path can begin at the robot's position"),
+        (LEFT, BEFORE, "no path can end at the program's start"),
+    ):
         made = approach(ROBOT, here, there, CELL)
         assert made.value is None
         assert codes(made.diagnostics) == ["Y0926"]

@@ -1,4 +1,4 @@
-"""Findings in modules, shown at the line of the program that called."""
+"""Tests of findings in modules, which are reported at the line of the program that calls."""
 
 import json
 import re
@@ -31,8 +31,8 @@ SUB FIXED
   P0040 MOVEJ 20 0 0 0 0 0 [0.001]
 END
 """
-"""TWICE stands at its target the second time: Y0603, a warning. FAST has an error of its argument, FIXED
-one of its own.
+"""TWICE moves to the same target twice, which is the warning Y0603. FAST has an error that depends on its
+argument, FIXED has an error of its own.
 """
 INSTALLED = """\
 ROBOT INDUSTRIAL6
@@ -167,7 +167,7 @@ def test_a_comment_in_a_module_is_not_needless_while_only_other_files_can_tell()
         "  P0020 MOVEJ 10 0 0 0 0 0  ! yarc: ignore[Y0603]\nEND\nSUB ALL\n  P0050 CALL TWICE\nEND\n"
     )
     assert [one.code for one in yarclang.check(module, robot="INDUSTRIAL6")] == []
-    # what the file itself leads to is judged
+    # if the file itself calls the subroutine, a needless comment is reported
     used = module + "P0060 CALL ALL\n"
     assert [one.code for one in yarclang.check(used, robot="INDUSTRIAL6")] == []
     needless = used.replace("P0010 MOVEJ 10 0 0 0 0 0\n", "P0010 MOVEJ 30 0 0 0 0 0\n")
@@ -228,9 +228,7 @@ def test_findings_of_a_module_without_a_place_stay_apart(folder):
     )
 )
 def test_each_call_of_a_module_is_grouped_by_itself(drawn):
-    """Whatever order findings come in: one for each code, line and call, whichever round of a loop it was
-    in.
-    """
+    """Findings in any order are grouped by code, line and call, whatever the pass of the loop."""
     module = SourceFile("m.yarc", "a\nb\nc\n", "M")
     told = [
         Diagnostic(code, "slow", module, Span.on_line(line, 1, 2), place=f"P0020(I={at})>P{call:04d}>P0010")

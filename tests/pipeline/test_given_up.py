@@ -1,6 +1,4 @@
-"""Work that nobody waits for any more ends soon in every phase: a listener is asked often whether to go
-on.
-"""
+"""Tests of cancelling an analysis: each phase often asks its listener whether to go on, and ends soon."""
 
 import gc
 import math
@@ -18,20 +16,22 @@ from yarclang.source import SourceFile
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 
 LONGEST = 0.15
-"""Of the processor, between two questions whether to go on [s]: 0.05 s is promised for a quiet machine."""
+"""Longest allowed processor time between two calls of the listener [s]; 0.05 s is promised for a quiet
+machine.
+"""
 
 HEAD = "DEFAULT {TCP} [5] (mm,deg,s) {B}\nP0010 MOVEJ_RPY 300 1074.4 1100 0 0 0\n"
 
 
 def spline(count):
-    """Return a curve through `count` poses on a circle."""
+    """Return a program with one curve through `count` poses on a circle."""
     angles = [number / 40 for number in range(1, count + 1)]
     poses = [f"{300 * math.cos(a):.2f} 1074.4 {1100 + 200 * math.sin(a):.2f} 0 0 0" for a in angles]
     return f"{HEAD}P0020 MOVEL_SPLINE {';'.join(poses)} [{count / 2}]\nP0030 STOP\n"
 
 
 def chain(count):
-    """Return `count` lines that flow into each other."""
+    """Return a program with `count` lines that are blended."""
     rows = [
         (
             f"P{number + 20:04} MOVEL {300 - number % 2 * 50 - number * 2} 1074.4 "
@@ -43,7 +43,7 @@ def chain(count):
 
 
 def grid(count):
-    """Return `count` times three motions in a loop."""
+    """Return a program with a loop of `count` passes of three motions."""
     body = (
         "P0020 MOVEL $(300 - I % 7 * 20) 1074.4 1100 0 0 0\n"
         "P0030 MOVEJ $(I % 5) 0 0 0 -30 0\n"
@@ -82,7 +82,7 @@ def test_every_phase_is_asked_often_whether_to_go_on(name):
         phases[what.partition(":")[0]] += 1
         last[0] = time.thread_time()
 
-    for _ in range(2):  # what is imported for the first time can't be given up: then the second time counts
+    for _ in range(2):  # an import can't be interrupted: if the first round is slow, the second one counts
         phases.clear()
         gaps.clear()
         gc.collect()
@@ -95,4 +95,4 @@ def test_every_phase_is_asked_often_whether_to_go_on(name):
     assert max(gaps)[0] < LONGEST
     assert len(gaps) > 10
     if found.certificate is not None:
-        assert {"planning", "writing the controller's text", "certifying"} <= phases.keys()
+        assert {"planning", "writing the controller text", "certifying"} <= phases.keys()

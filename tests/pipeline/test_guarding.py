@@ -1,5 +1,5 @@
-"""A bug of ours in any stage, at any door: one finding with a report, exit status 1, and everything else
-goes on.
+"""Tests of bugs in yarclang itself: whatever the stage and the door, a bug gives one finding with a report
+and exit status 1, and all other work goes on.
 """
 
 import json
@@ -40,11 +40,11 @@ GOOD = TEXT.replace("P0020 BROKEN\n", "")
 
 
 class Bug(Exception):
-    """What nobody expects."""
+    """An exception that no code expects."""
 
 
 def failing(original, when=lambda *_: True, error=None):
-    """A function that raises, at least for some arguments."""
+    """Return a function that raises `error` for the arguments that `when` selects, else calls `original`."""
 
     def failed(*arguments, **named):
         if when(*arguments):
@@ -69,7 +69,7 @@ PLACES = {
 
 @pytest.fixture(params=PLACES)
 def broken(request, monkeypatch):
-    """One stage fails; its name."""
+    """Make one stage fail, and yield its name."""
     module, name = PLACES[request.param]
     monkeypatch.setattr(module, name, failing(getattr(module, name)))
     parse_module._placed.cache_clear()
@@ -78,7 +78,7 @@ def broken(request, monkeypatch):
 
 
 def is_reported(one):
-    """A finding says what to report, and can be written."""
+    """Check that an internal error says what to report, and that its text can be encoded."""
     assert one.is_error
     assert one.message == "internal error: Bug: something"
     first, platform, exception, *calls = one.help.split("\n")
@@ -132,7 +132,7 @@ def test_other_doors(broken, words, tmp_path, monkeypatch):
     Path("a.yarc").write_text(GOOD)
     done = CliRunner().invoke(yarc, words)
     if words[0] == "plot" and broken in {"emission", "certificate", "rules", "rules in the end", "opening"}:
-        return  # it asks none of them
+        return  # `yarc plot` uses none of these stages
     assert (done.exit_code, "Y2001" in done.stderr) == (1, True)
 
 
@@ -177,7 +177,7 @@ def test_a_file_that_fails_leaves_the_others(tmp_path, monkeypatch):
     done = CliRunner().invoke(yarc, ["fmt", "."])
     assert done.exit_code == 1
     assert "b.yarc: error Y2001: internal error: Bug: something" in done.stderr
-    assert "2 files changed, 1 file left as it is" in done.stderr
+    assert "2 files changed, 1 file left unchanged because of errors" in done.stderr
     assert Path("b.yarc").read_text() == "p0010 stop ! b\n"
 
 
@@ -250,7 +250,7 @@ def test_ctrl_c_ends_a_check_of_many_files_in_silence(tmp_path):
 
 
 def test_an_interrupt_that_python_has_wrapped_is_one():
-    """A module that is being imported when Ctrl-C is pressed."""
+    """Old versions of Python turn an interrupt in `__set_name__` into a RuntimeError."""
 
     class Pressed:
         def __set_name__(self, owner, name):

@@ -1,4 +1,4 @@
-"""A certificate is written piece by piece, as one call would write it."""
+"""Tests of writing a certificate piece by piece: the text is that of a single json.dumps."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""Looking again at a program that was edited says what a fresh look says, to the last bit."""
+"""Tests of analysing an edited program: the result equals that of a new analysis, to the last bit."""
 
 import gc
 import os
@@ -103,7 +103,7 @@ edits = st.tuples(
 
 
 def text_of(body, opening):
-    """A program whose commands have indices in order."""
+    """Return a program whose commands have indices in ascending order."""
     rows = list(opening)
     for place, line in enumerate(body, 1):
         is_command = line[:1].isalpha() and line.split()[0] not in (
@@ -120,7 +120,7 @@ def text_of(body, opening):
 
 
 def edited(body, opening, edit):
-    """The program after an edit."""
+    """Return the body and the opening lines of a program after one edit."""
     kind, place, line = edit
     body, opening = list(body), list(opening)
     place %= max(1, len(body))
@@ -141,7 +141,7 @@ def edited(body, opening, edit):
 
 
 def assert_same(analysis, checked):
-    """What was remembered is what comes out afresh."""
+    """Check that an analysis that uses remembered results equals one from scratch."""
     assert analysis.diagnostics == checked.diagnostics
     assert (analysis.plan is None) == (checked.plan is None)
     if checked.plan is not None:
@@ -162,14 +162,14 @@ def assert_same(analysis, checked):
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """A folder with a module and a cell."""
+    """Return a folder with a module and a cell."""
     folder = tmp_path_factory.mktemp("edited")
     (folder / "shifts.yarc").write_text(MODULE)
     (folder / "cell.toml").write_text(CELL.format(height=500))
     return folder
 
 
-# the same programs each time; YARCLANG_RANDOM_EDITS=1000 looks at so many others, for a night
+# the programs are the same each time; YARCLANG_RANDOM_EDITS=1000 draws that many others, for a night
 @exercises(planned=0.3, certified=0.2, remembered=0.2)
 @settings(
     max_examples=int(os.environ.get("YARCLANG_RANDOM_EDITS", "8")),
@@ -204,7 +204,7 @@ PROGRAM = "\n".join(
 
 
 def test_what_a_program_uses_may_change(folder, tmp_path):
-    """A module, a cell and a robot are read anew when their files have changed, and only then."""
+    """A module, a cell and a robot are read again if their files have changed, and only then."""
     shutil.copytree(stdlib_folder() / "robots" / "industrial6", tmp_path / "arm")
     (tmp_path / "shifts.yarc").write_text(MODULE)
     (tmp_path / "cell.toml").write_text(CELL.format(height=500))
@@ -233,7 +233,7 @@ def test_what_a_program_uses_may_change(folder, tmp_path):
 
 
 def test_work_that_nobody_waits_for_is_given_up(folder):
-    """And what was worked out up to there is remembered."""
+    """A cancelled analysis keeps the results that it had until then."""
     analyst, asked = Analyst(), []
 
     def after_some():
@@ -252,8 +252,8 @@ def test_work_that_nobody_waits_for_is_given_up(folder):
 
 
 def test_an_edit_costs_the_motion_and_the_one_behind_it(folder):
-    """Where a line ends doesn't depend on the digits of where it began: all others are the very same
-    curves.
+    """An edit of one line changes only its own curve and the next one: the joint positions at a line's end
+    don't depend on rounding at its start.
     """
     head = "ROBOT INDUSTRIAL6\nDEFAULT {TCP} [50%] (mm,deg,s) {B}\nP0001 MOVEJ 0 -10 -20 0 -60 0\n"
     lines = [f"P{n:04} MOVEL {n % 10 * 20} 1000 {1050 + n % 7 * 10} -90 0 {n % 3}" for n in range(2, 40)]
@@ -269,12 +269,13 @@ def test_an_edit_costs_the_motion_and_the_one_behind_it(folder):
                 for k, (one, other) in enumerate(zip(motions, before, strict=True))
                 if one.curve is not other.curve
             ]
-            assert others == [edited_line + 1, edited_line + 2]  # the first motion leads to the first line
+            # motion 0 is P0001, so that lines[k] is motion k + 1
+            assert others == [edited_line + 1, edited_line + 2]
         before = motions
 
 
 def test_the_memory_is_bounded():
-    """What wasn't used for longest goes first."""
+    """The entry that wasn't used for longest is dropped first."""
     memory = Recent(3)
     for key in (1, 2, 3, 1, 4):
         recall(memory, key, lambda key=key: key)
@@ -283,7 +284,7 @@ def test_the_memory_is_bounded():
 
 
 def test_edits_leave_no_texts_behind(folder):
-    """Nothing that is remembered holds the text of a program that was: a hundred versions leave none."""
+    """No remembered result keeps an earlier text of the program alive."""
     analyst, gone = Analyst(), []
     for edit in range(6):
         source = SourceFile(str(folder / "a.yarc"), f"{PROGRAM}! version {edit}\n")
@@ -295,8 +296,8 @@ def test_edits_leave_no_texts_behind(folder):
 
 
 def test_what_is_known_before_the_proof(tmp_path):
-    """It is told once, with the findings of planning; a program with errors isn't proved, and has nothing
-    to tell before.
+    """The findings of planning are reported once, before the proof. A program with errors isn't proved, and
+    reports nothing early.
     """
     program = (
         "DEFAULT {TCP} [5] (mm,deg,s) {B}\nP0010 MOVEJ 0 10 0 0 -30 0 [5000]\nP0020 MOVEJ 0 20 0 0 -30 0\n"

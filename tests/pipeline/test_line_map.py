@@ -1,4 +1,4 @@
-"""The way back from lines of controller text, against the certificate's own reading of it."""
+"""Tests of finding the command of a line of controller text; the certificate reads the text independently."""
 
 import re
 from pathlib import Path
@@ -103,7 +103,7 @@ def test_a_header_that_is_another_is_no_map():
     assert stretch.what.startswith("unknown: line 12 is no line of the map of commands")
 
 
-# the program that a text was made from
+# finding the program from which a controller text was made
 
 
 def test_the_program_is_known_again_by_what_it_does(tmp_path):
@@ -125,10 +125,10 @@ def test_a_changed_or_missing_program_is_told_of(tmp_path):
     copy = tmp_path / TENDING.name
     copy.write_text(TENDING.read_text().replace("WAIT [0.3]", "WAIT [0.4]"))
     missing = origins_of_text(text, tmp_path, ROBOT)
-    assert "something else" in missing.missing
+    assert "the source has changed, or is another program" in missing.missing
     assert missing.of("P0050", "SET", 30) is None
     copy.write_text("nonsense\n")
-    assert "something else" in origins_of_text(text, tmp_path, ROBOT).missing
+    assert "the source has changed, or is another program" in origins_of_text(text, tmp_path, ROBOT).missing
 
 
 def test_a_start_of_its_own_is_found_in_the_header(tmp_path):

@@ -1,5 +1,5 @@
-"""OFFSET in a cell with parts: those in the shifted frame are shifted with it, the grip is the same, and
-nothing is left elsewhere than the program has it.
+"""Tests of OFFSET in a cell with parts: parts in the shifted frame are shifted with it and gripped alike, and
+no part is left at another place than the programmed one.
 """
 
 import numpy as np
@@ -73,7 +73,7 @@ P0070 MOVEL 0 0 0 0 0 0 [30%] {TRAY}
 P0080 SET SUCK OFF
 P0090 MOVEL 0 0 120 0 0 0 [30%] {TRAY}
 """
-# the block is put down within the shifted frame
+# SHOVE puts the block down within the shifted frame
 SHOVE = PICK.replace("P0040 MOVEL 0 0 120", "P0040 MOVEL 0 0 40").replace(
     "  P0050 MOVEJ READY",
     "  P0042 MOVEL 0 60 40 0 0 0 [30%] {PART}\n"
@@ -112,7 +112,7 @@ def test_the_grip_is_the_same_wherever_the_part_lies(x, y, turn, count):
     assert held.transform == pytest.approx(known.transform, abs=1e-6)
     _, end = around(value.program.steps, value.plan.motions[0].step)
     assert are_same(followed_plan(there.plan).end, parts_before(value.plan, end))
-    # and the part lay elsewhere before
+    # before the grasp, the part lay at the shifted place
     moved = np.linalg.norm(grasp.before.items[0].transform[:3, 3] - meant.before.items[0].transform[:3, 3])
     assert moved == pytest.approx(np.hypot(x, y) * 1e-5, abs=1e-5)
 
@@ -122,7 +122,7 @@ def test_a_part_may_not_stay_where_the_shift_has_it():
     assert not isinstance(instance(value, (0, 0, 0, 0)), str)
     told = instance(value, (500, 0, 0, 0))
     assert isinstance(told, str)
-    assert "BLOCK stays where the shift has it" in told
+    assert "BLOCK is left 5.000 mm away from its place without the shift" in told
 
 
 def test_a_part_that_is_not_taken_may_not_stay_either():
@@ -134,11 +134,13 @@ def test_a_part_that_is_not_taken_may_not_stay_either():
     )
     told = instance(value, (500, 0, 0, 0))
     assert isinstance(told, str)
-    assert "BLOCK stays where the shift has it" in told
+    assert "BLOCK is left 5.000 mm away from its place without the shift" in told
 
 
 def test_a_part_in_another_frame_stays():
-    """The cup comes beside it, and takes nothing: that is refused."""
+    """A shift of PART doesn't move a block in BIN, so that the cup doesn't grip it as programmed: this is
+    refused.
+    """
     value = made(
         PICK, 1, CELL.replace('frame = "PART"\nxyz = [0, 0, -30]', 'frame = "BIN"\nxyz = [0, 0, 30]')
     )
@@ -146,7 +148,7 @@ def test_a_part_in_another_frame_stays():
     assert offset.parts == ()
     told = instance(value, (2000, 2000, 0, 0))
     # within its reach the cup takes it elsewhere than the program says
-    assert isinstance(told, str)
+    assert "BLOCK is held 28.284 mm away from its place in the gripper without the shift" in told
 
 
 def test_a_frame_in_the_shifted_frame_carries_its_parts():
@@ -165,7 +167,9 @@ def test_the_program_s_own_frame_of_that_name_has_no_parts():
 
 
 def test_a_wall_is_where_it_is():
-    """In a larger box the block or the cup would meet the wall: said for the box, and refused at run time."""
+    """A shift by which the block or the cup hits the wall is refused at run time; a range that contains it is
+    a finding.
+    """
     wide = HEAD.replace("DX -2000..2000", "DX -2000..8500")
     value = made(PICK)
     told = instance(value, (8500, 0, 0, 0))

@@ -1,4 +1,4 @@
-"""Parts of programs: which steps belong to them, and at which places they may begin."""
+"""Tests of parts of programs: the steps that belong to a part, and the places at which one may begin."""
 
 import pytest
 from programs import planned
@@ -61,7 +61,7 @@ def test_a_place_without_a_motion(plan, place):
     found = motion_number(plan, place)
     assert isinstance(found, Diagnostic)
     assert found.code == "Y1164"
-    assert "there are P0030(I=0), P0030(I=1), P0050" in found.help
+    assert "the indexes are P0030(I=0), P0030(I=1), P0050" in found.help
 
 
 CHAIN = """DEFAULT [1] (deg,s)
@@ -131,7 +131,7 @@ def test_where_to_go_on(blended, place, begins):
 
 
 def test_a_program_may_begin_where_the_robot_stands(plan):
-    """At a WAIT or a SET the robot stands where the next motion begins."""
+    """A program may begin at a WAIT or a SET: the robot then stands where the next motion begins."""
     labels = [step.origin.label for step in plan.program.steps]
     for place, number in (("P0020", 0), ("P0040(I=0)", 1), ("P0040(I=1)", 2), ("P0030(I=1)", 1)):
         assert beginning(plan, place) == (number, labels.index(place))

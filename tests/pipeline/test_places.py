@@ -1,4 +1,4 @@
-"""Commands by index and place."""
+"""Tests of finding commands by index and place."""
 
 import pytest
 from hypothesis import given

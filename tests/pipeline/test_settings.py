@@ -1,4 +1,6 @@
-"""What the runtime looks at is what was judged; a wrong generator can't compare a controller with itself."""
+"""Tests of the settings that the runtime compares with a controller's: they are the proved ones, and a wrong
+generator's are refused.
+"""
 
 import re
 from dataclasses import replace
@@ -18,13 +20,15 @@ def robot(request):
 
 @pytest.fixture
 def wrong_abort(monkeypatch):
-    """A writer that lets an abort brake twice as hard as the joints bear."""
+    """Make the writer's abort deceleration twice what the joints allow."""
     rate = writer._motor_rate
     monkeypatch.setattr(writer, "_motor_rate", lambda robot, joint_rate: 2.0 * rate(robot, joint_rate))
 
 
 def test_the_items_are_the_lines_of_the_text(robot):
-    """Each line that a controller keeps is asked for, in the order of the text, but for what programs set."""
+    """There is one item for each setting that the controller keeps, in the order of the text, except for
+    those that programs set.
+    """
     text, items = proved_settings(robot), items_of(robot)
     lines = [line.partition(" ;")[0] for line in text.splitlines()]
     asked = [
@@ -73,7 +77,7 @@ def test_differences_are_told_line_by_line(industrial6):
     assert {one.code for one in judged.diagnostics} == {"Y1176"}
     assert not any(one.is_error for one in judged.diagnostics)
     assert [one.help for one in judged.diagnostics if "each run refuse" not in one.help] == [
-        "this is for programs of others: each of yarcc's sets its own"
+        "this is for other programs: each program of yarcc sets its own"
     ]
     lines = edited.splitlines()
     told = [
@@ -89,7 +93,7 @@ def test_differences_are_told_line_by_line(industrial6):
 
 
 def test_errors_come_alone(industrial6):
-    """What is wrong, and not what differs besides."""
+    """If there are errors, mere differences aren't reported."""
     edited = proved_settings(industrial6).replace("I113=4340581", "I113=4340582").replace("I42=0", "I42=1")
     judged = check_settings(SourceFile("mine.txt", edited), industrial6)
     assert judged.value is None
@@ -97,7 +101,7 @@ def test_errors_come_alone(industrial6):
 
 
 def test_a_robot_that_no_settings_fit(industrial6):
-    """Also where the file's own judgement finds nothing: the generator's findings are said."""
+    """If no settings fit a robot, the generator's findings are reported, even if its file has none."""
     slow = replace(industrial6, controller=replace(industrial6.controller, hold_time=8000.0))
     assert [one.code for one in settings_of(slow).diagnostics] == ["Y1174", "Y1174"]
     with pytest.raises(Trouble, match="a change of the override takes"):

@@ -1,4 +1,4 @@
-"""Timetables in a program that is edited: what was kept says the same as what is worked out anew."""
+"""Tests of timetables in an edited program: remembered results equal newly computed ones."""
 
 from programs import compiled, source
 

@@ -1,5 +1,5 @@
-"""Files of timed trajectories beside programs: found, refused where they aren't beside one, and read again
-when they have changed.
+"""Tests of files of timed trajectories: found beside a program, refused elsewhere, and read again after a
+change.
 """
 
 import os
@@ -65,12 +65,12 @@ def test_a_file_and_lines_say_the_same():
 
 def test_units_of_the_line_and_of_default():
     line = HEAD + 'P0010 MOVEJ_TIMED "path.csv" (rad)\n'
-    assert refused(look(line)).code == "Y0502"  # 5 rad
+    assert refused(look(line)).code == "Y0502"  # 5 rad is beyond the joint's limit
     named = ",".join(["time", *(f"J{n} [deg]" for n in range(1, 7))]) + "\n"
     Path("path.csv").write_text(ROWS.replace(HEADER, named))
     assert np.degrees(tables(look())[0].positions[0, 0]) == pytest.approx(5)
     found = refused(look(line))
-    assert (found.code, found.source.name, "the program's line says rad" in found.message) == (
+    assert (found.code, found.source.name, "but the program's line has rad" in found.message) == (
         "Y1381",
         "path.csv",
         True,
@@ -100,9 +100,9 @@ def test_a_fault_in_a_loop_is_said_once():
         ("missing.csv", "Y0107", "missing.csv can't be read"),
         ("folder.csv", "Y0107", "it is a folder, not a file"),
         ("x" * 300 + ".csv", "Y0107", "can't be read"),
-        ("path.txt", "Y1385", "isn't called .csv"),
-        ("", "Y1385", "isn't called .csv"),
-        (".csv/..", "Y1385", "isn't called .csv"),
+        ("path.txt", "Y1385", "doesn't end in .csv"),
+        ("", "Y1385", "doesn't end in .csv"),
+        (".csv/..", "Y1385", "doesn't end in .csv"),
         ("../path.csv", "Y1385", "isn't in the folder"),
         ("/etc/passwd.csv", "Y1385", "isn't in the folder"),
         ("inside/../../other.csv", "Y1385", "isn't in the folder"),

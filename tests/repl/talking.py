@@ -1,4 +1,4 @@
-"""An interpreter on a coordinator in virtual time, and a person who types."""
+"""An interpreter on a coordinator in virtual time, and a simulated person who types."""
 
 import asyncio
 import contextlib
@@ -12,10 +12,10 @@ from yarclang.repl.session import PROMPT
 
 
 class Person:
-    """Types, and reads what is said.
+    """A person who types, and reads the output.
 
     Attributes:
-        said: all that was said since it was last taken.
+        said: all output since it was last taken.
     """
 
     def __init__(self, world, coordinator, attached, folder, asks):
@@ -23,7 +23,7 @@ class Person:
         self.interpreter = Interpreter(attached, world.robot, self.said.append, folder, asks=asks)
 
     async def type(self, *texts, within=200.0):
-        """Type one after the other, each when the one before is done or asks something; what was said."""
+        """Type texts, each after the one before is done or asks a question; return the output."""
         for text in texts:
             self.interpreter.typed(text)
             await self.settled(within)
@@ -33,7 +33,7 @@ class Person:
         await self.world.until(lambda: self.interpreter.idle or self.interpreter.asked, within)
 
     async def begin(self, text):
-        """Type something that takes a while, and go on when the robot moves."""
+        """Type a text that starts a motion, and return when the robot moves."""
         self.interpreter.typed(text)
         await self.world.until(lambda: self.world.moving)
 
@@ -49,7 +49,7 @@ class Person:
 
 @contextlib.asynccontextmanager
 async def talking(folder, *, asks=False, **options):
-    """A person at a robot."""
+    """Yield a person who owns a robot."""
     async with coordinating(folder=folder, **options) as (world, coordinator, client):
         client.session.leave()
         attached = Here(coordinator, "person")

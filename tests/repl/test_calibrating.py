@@ -1,4 +1,4 @@
-"""Calibration from the prompt: the simulated robot touches what is known."""
+"""Tests of calibration at the prompt, with a simulated robot that touches known places."""
 
 import shutil
 
@@ -17,17 +17,17 @@ def test_the_tip_of_a_tool(tmp_path):
     async def session():
         async with talking(tmp_path) as person:
             await person.type("FRAME {TRUE} 20 130 210 0 0 0 (mm,deg) {FLANGE}")
-            assert "0 of 4: bring the tool's tip" in await person.type(".calibrate tcp torch")
+            assert "0 of 4: move the tool's tip" in await person.type(".calibrate tcp torch")
             for number, tilt in enumerate(TILTS, 1):
                 assert "done" in await person.type(AT.format(tilt))
                 told = await person.type(".touch")
                 assert f"{number} of 4" in told or number == 4
             assert "{TORCH} is at 20.00" in told
-            assert "it holds" in await person.type(".done")
+            assert "it is valid" in await person.type(".done")
             line = person.coordinator.lines.declarations[-1].split()
             assert line[1] == "{TORCH}"
             assert [float(word) for word in line[2:5]] == pytest.approx([20, 130, 210], abs=0.02)
-            assert "no calibration goes on" in await person.type(".touch")
+            assert "no calibration is in progress" in await person.type(".touch")
 
     run(session())
 
@@ -39,7 +39,7 @@ def test_touches_that_tell_nothing(tmp_path):
             assert "Y1902" in await person.type(".touch")
             assert "no result yet" in await person.type(".done")
             assert "3 of 4" in await person.type(".untouch")
-            assert "forgotten" in await person.type(".cancel")
+            assert "discarded" in await person.type(".cancel")
 
     run(session())
 
@@ -66,8 +66,8 @@ def test_offsets_of_a_robot_of_ones_own(tmp_path):
 
     async def session():
         async with talking(tmp_path, robot=str(folder), joints=[0, 0.5, 0, 0, 0, 0]) as person:
-            assert "bring J2 to its mark" in await person.type(".calibrate home J2 0")
-            assert "J2 reads +0.5000 deg wrong" in await person.type(".touch")
+            assert "move J2 to its mark" in await person.type(".calibrate home J2 0")
+            assert "the reading of J2 is off by +0.5000 deg" in await person.type(".touch")
             told = await person.type(".done")
             assert "+ a0 = [0, 12833.94, 14654.35, 0, 0, 0]  # counts" in told
             assert "is written" in await person.type("y")
@@ -81,7 +81,7 @@ def test_the_standard_library_is_not_changed(tmp_path):
     async def session():
         async with talking(tmp_path) as person:
             await person.type(".calibrate home J2 0", ".touch")
-            assert "which isn't changed" in await person.type(".done")
+            assert "which can't be changed" in await person.type(".done")
 
     run(session())
 
@@ -89,7 +89,7 @@ def test_the_standard_library_is_not_changed(tmp_path):
 @pytest.mark.parametrize(
     ("text", "word"),
     [
-        (".calibrate", "what is calibrated is"),
+        (".calibrate", ".calibrate takes"),
         (".calibrate tcp", "one name"),
         (".calibrate home", "joints and their positions"),
         (".calibrate home J9 0", "no joint J9"),

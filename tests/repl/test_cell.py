@@ -1,4 +1,4 @@
-"""The cell of a project at the prompt: no motion is planned through it, whoever asks."""
+"""Tests of a project's cell at the prompt: no planned motion collides with it."""
 
 import numpy as np
 import pytest
@@ -20,10 +20,10 @@ frame = "TABLE"
 shape = "box"
 size = [1200, 1200, 100]
 """
-"""A table under {TCP}, which is at 0 1174.4 1764 mm in HOME: its top is at 1350 mm."""
+"""A table under {TCP}, which is at 0 1174.4 1764 mm in HOME; the table's top is at 1350 mm."""
 
 BELOW = "DMOVE {TCP} 0 0 -600 0 0 0 [5] (mm,deg,s) {B}"
-"""Below the table's top, by 186 mm."""
+"""A motion to 186 mm below the table's top."""
 
 
 @pytest.fixture
@@ -135,11 +135,11 @@ def test_a_frame_is_taught_into_the_cell(project):
     ("typed", "said"),
     [
         (".teach cell PIN", "a frame is taught into the cell"),
-        (".teach cell {PIN} {B}", "{PIN} hangs on {TABLE} in cell.toml, and stays there"),
-        (".teach cell {FINGER}", "sits on the flange"),
-        (".teach cell {NEW} {FINGER}", "isn't a frame of the cell that stands still"),
-        (".teach cell {NEW} {NOWHERE}", "isn't a frame of the cell that stands still"),
-        (".teach cell {TCP}", "would not be read back"),
+        (".teach cell {PIN} {B}", "{PIN} has the parent {TABLE} in cell.toml, and keeps it"),
+        (".teach cell {FINGER}", "is attached to the flange"),
+        (".teach cell {NEW} {FINGER}", "isn't a fixed frame of the cell"),
+        (".teach cell {NEW} {NOWHERE}", "isn't a fixed frame of the cell"),
+        (".teach cell {TCP}", "the edited file wouldn't contain the measured frame"),
     ],
 )
 def test_what_is_not_taught_into_the_cell(project, typed, said):
@@ -165,7 +165,7 @@ def test_teaching_into_no_cell_or_a_changed_one(tmp_path_factory, project):
         async with talking(project) as person:
             await person.type(".teach cell {TABLE}")
             (project / "cell.toml").write_text(TABLE + "# by somebody else\n")
-            assert "was changed in the meantime" in await person.type("y")
+            assert "was changed by another program in the meantime" in await person.type("y")
             assert (project / "cell.toml").read_text().endswith("# by somebody else\n")
 
     run(changed())

@@ -1,4 +1,4 @@
-"""What the tab key offers."""
+"""Tests of the completions that the tab key offers."""
 
 import pytest
 from coordinator.virtual import run

@@ -1,4 +1,4 @@
-"""The prompt with keys that are pressed, and the line at the bottom; time is real here."""
+"""Tests of the prompt with pressed keys, and of its toolbar, in real time."""
 
 import asyncio
 
@@ -16,7 +16,7 @@ from yarclang.runtime.state import State
 
 
 class Recorder(Interpreter):
-    """Only takes what is typed."""
+    """An interpreter that only records what is typed."""
 
     def __init__(self):
         self.got, self.interrupted = [], 0
@@ -36,7 +36,7 @@ def home(tmp_path, monkeypatch):
 
 
 def press(keys, count=1):
-    """What the prompt gives for keys that are pressed."""
+    """Return the texts that the prompt gives for pressed keys."""
 
     async def session():
         recorder = Recorder()
@@ -93,7 +93,8 @@ def test_the_line_at_the_bottom(tmp_path):
             assert first == " INDUSTRIAL6 stop | homed, enabled | 100 %"
             assert second.startswith(" {TCP} 0.00 1174.40 1764.00 mm | J1 0.00 | J2 0.00")
             assert all(len(line) <= 30 for line in toolbar.text(30).split("\n"))
-            assert toolbar.text(80).split("\n")[1].count(" 0.00") == 7  # all joints, and x
+            # seven columns are shown: all joints, and x
+            assert toolbar.text(80).split("\n")[1].count(" 0.00") == 7
             await person.begin("MOVEJ 40 0 0 0 20 0 [5] (deg,s)")
             picture.hear(ProgressMade(time_s=0.0, done_s=1.25, left_s=3.75, command="P0010 MOVEJ", line=1))
             assert "move | P0010 MOVEJ 1.2 s, 3.8 s to go" in toolbar.text(200)

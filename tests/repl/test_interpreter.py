@@ -1,4 +1,4 @@
-"""What is typed, and what comes of it, in virtual time."""
+"""Tests of the effects of typed texts, in virtual time."""
 
 import asyncio
 
@@ -94,11 +94,12 @@ def test_ctrl_c_stops_on_the_path_and_aborts_the_second_time(tmp_path):
             told = person.taken()
             assert "stopping on the path" in told
             assert "aborting" in told
-            person.interpreter.interrupt()  # nothing moves: nothing to stop
+            person.interpreter.interrupt()  # nothing moves, so that the interrupt has no effect
             assert person.taken() == ""
             await person.begin("DMOVEJ 20 0 0 0 0 0 [5] (deg,s)")
             person.interpreter.interrupt()
-            assert "stopping on the path" in person.taken()  # the first one again
+            # after a new motion, the first interrupt stops on the path again
+            assert "stopping on the path" in person.taken()
 
     run(session())
 
@@ -139,7 +140,7 @@ def test_override(tmp_path):
             since = asyncio.get_running_loop().time()
             await person.type(MOVE)
             assert asyncio.get_running_loop().time() - since > 1.8
-            assert "it may be 1 to 100" in await person.type(".override 0")
+            assert "the override is from 1 to 100" in await person.type(".override 0")
             assert "isn't a percentage" in await person.type(".override fast")
 
     run(session())
@@ -163,7 +164,8 @@ def test_declarations_stay_and_are_listed(tmp_path):
     async def session():
         async with talking(tmp_path) as person:
             assert (
-                await person.type("FRAME {TABLE} 800 200 300 0 0 90 (mm,deg) {B}") == "it holds from now on"
+                await person.type("FRAME {TABLE} 800 200 300 0 0 90 (mm,deg) {B}")
+                == "it is valid from now on"
             )
             assert "{TABLE}  800.000 200.000 300.000 mm" in await person.type(".frames")
             assert "in {TABLE}" in await person.type(".where table")
@@ -189,7 +191,7 @@ def test_plan_moves_nothing(tmp_path):
     async def session():
         async with talking(tmp_path) as person:
             assert "MOVEJ  1.00 s" in await person.type(f".plan {MOVE}")
-            assert "nothing would move" in await person.type(".plan LET A = 3")
+            assert "nothing moves" in await person.type(".plan LET A = 3")
             assert "a command is missing" in await person.type(".plan")
             assert person.world.stands() == pytest.approx([0] * 6, abs=1e-4)
 
@@ -209,7 +211,7 @@ def test_back_takes_the_last_motion_back(tmp_path):
 def test_plot_draws_what_was_planned_last(tmp_path):
     async def session():
         async with talking(tmp_path) as person:
-            assert await person.type(".plot") == "nothing was planned yet"
+            assert await person.type(".plot") == "nothing has been planned yet"
             await person.type(f".plan {MOVE}", ".plot way.png")
             assert (tmp_path / "way.png").read_bytes().startswith(b"\x89PNG")
             assert "must end with" in await person.type(".plot way.txt")
@@ -280,7 +282,7 @@ def test_another_client_owns_the_robot(tmp_path):
             assert "pendant owns the robot" in told
             assert person.world.stands() == pytest.approx([0] * 6, abs=1e-4)
             other.session.release()
-            assert "done" in await person.type(MOVE)  # it is taken again by moving it
+            assert "done" in await person.type(MOVE)  # the motion makes the person the owner again
 
     run(session())
 
@@ -322,7 +324,7 @@ def test_a_bug_of_ours_keeps_the_prompt(tmp_path, monkeypatch):
         async with talking(tmp_path) as person:
             monkeypatch.setattr(person.coordinator.planner, "offer", lambda *_: 1 / 0)
             told = await person.type(MOVE)
-            assert "a bug of yarclang has ended this: ZeroDivisionError" in told
+            assert "a bug of yarclang has ended this command: ZeroDivisionError" in told
             assert "test_interpreter.py" in told
             monkeypatch.undo()
             assert "done" in await person.type(MOVE)

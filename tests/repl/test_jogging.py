@@ -1,4 +1,4 @@
-"""Keys that are held, and what the robot does of it."""
+"""Tests of jogging with held keys."""
 
 import asyncio
 
@@ -50,13 +50,14 @@ def test_keys_choose_axes_and_speeds():
     assert wanted.axes == "tool"
     assert wanted.twist[4] < 0.0
     jogging.press("6", 0.0)
-    jogging.press("7", 0.0)  # there is no such joint
+    jogging.press("7", 0.0)  # the robot has no joint 7
     assert jogging.axis == Axis("joint", 5)
     for _ in range(50):
         jogging.press("up", 0.0)
     jogging.press("x", 0.0)
     jogging.press("+", 0.0)
-    assert jogging.want(0.0).twist[0] == pytest.approx(250.0)  # never more
+    # the largest speed, however often the key is pressed
+    assert jogging.want(0.0).twist[0] == pytest.approx(250.0)
     assert not jogging.ended
     jogging.press("enter", 0.0)
     assert jogging.ended
@@ -84,7 +85,7 @@ def test_what_may_not(text):
 
 
 async def hold(person, key, seconds):
-    """Hold a key of a keyboard that repeats it 20 times a second."""
+    """Hold a key on a keyboard that repeats it 20 times a second."""
     loop = asyncio.get_running_loop()
     until = loop.time() + seconds
     while loop.time() < until:

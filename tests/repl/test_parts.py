@@ -1,4 +1,4 @@
-"""Where the parts of the cell are, at the prompt: what `.parts` shows, and what it lets a person say."""
+"""Tests of a cell's parts at the prompt: the output of `.parts`, and statements that move parts."""
 
 import pytest
 from coordinator.virtual import run
@@ -20,14 +20,14 @@ def test_parts_are_shown_and_said(project):
         async with talking(project) as person:
             first = await person.type(".parts")
             assert "BOX: lies at 300 850 650 0 0 0 {B}" in first
-            assert "as the cell's file has them" in first
+            assert "at their places in the cell's file" in first
             assert "lies at -250 900 700 0 0 75 {B}" in await person.type(".parts put BOX {PUT} 0 0 0 0 0 45")
             assert "GRIP holds it, at 0 150 0 90 0 0 {FLANGE}" in await person.type(
                 ".parts put box {gripper}"
             )
-            assert "no part is in the cell any more" in await person.type(".parts gone BOX")
+            assert "no part is left in the cell" in await person.type(".parts gone BOX")
             assert "BOX: lies at 300 850 650" in await person.type(".parts reset BOX")
-            assert "as the cell's file has them" in await person.type(".parts reset")
+            assert "at their places in the cell's file" in await person.type(".parts reset")
 
     run(session())
 
@@ -74,8 +74,9 @@ def test_a_cell_without_parts_says_so(tmp_path):
 
 
 def test_signals_are_told_and_whoever_names_the_cell_learns_where_parts_are(project):
-    """One line for each signal, as `yarc run` tells them; of a file whose parts nothing has moved, none
-    are told.
+    """Each signal is one line, as in `yarc run`.
+
+    For a cell whose parts nothing has moved, no places are reported.
     """
 
     async def session():

@@ -1,4 +1,4 @@
-"""Programs in files: loaded, run, stepped through, saved, touched up."""
+"""Tests of programs in files at the prompt: they are loaded, run, stepped through, saved and touched up."""
 
 import asyncio
 import shutil
@@ -45,7 +45,7 @@ def test_run_from_a_command_asks_for_the_approach(folder):
             await person.type(".load cell.yarc")
             told = await person.type(".run p0030")
             assert "doesn't stand where" in told
-            assert person.asked.startswith("approach it slowly first")
+            assert person.asked.startswith("move slowly to its start first")
             assert "nothing moved" in await person.type("n")
             assert person.world.stands() == pytest.approx([0] * 6, abs=1e-4)
             assert "done" in await person.type(".run P0030", "y")
@@ -106,7 +106,7 @@ def test_a_saved_session_does_the_same(folder):
             )
             there = person.world.stands()
             assert "does what this session did" in await person.type(".save mine.yarc")
-            assert "is there already" in await person.type(".save mine.yarc")
+            assert "already exists" in await person.type(".save mine.yarc")
             assert "must end with .yarc" in await person.type(".save mine.txt")
         async with talking(folder) as person:
             await person.type(".load mine.yarc", ".run")
@@ -118,8 +118,8 @@ def test_a_saved_session_does_the_same(folder):
 def test_teaching_declares(folder):
     async def session():
         async with talking(folder, joints=[0, 0, 0, 0, 30, 0]) as person:
-            assert "it holds" in await person.type(".teach here")
-            assert "it holds" in await person.type(".teach {there}")
+            assert "it is valid" in await person.type(".teach here")
+            assert "it is valid" in await person.type(".teach {there}")
             await person.type(
                 "MOVEJ 10 0 0 0 30 0 [1] (deg,s)", "MOVEL {TCP} 0 0 0 0 0 0 [2] (mm,deg,s) {THERE}"
             )
@@ -178,7 +178,7 @@ def test_enter_during_an_approach_starts_no_step(folder, early):
         (folder / "steps.yarc").write_text(STEPS.replace("P0020 MOVEL", "P0020 MOVEJ_RPY"))
         async with talking(folder) as person:
             await person.type(".load steps.yarc", ".step")
-            assert "approach it slowly first" in person.asked
+            assert "move slowly to its start first" in person.asked
             person.interpreter.typed("y")
             await person.world.until(lambda: person.world.moving)
             await asyncio.sleep(early)
@@ -190,7 +190,7 @@ def test_enter_during_an_approach_starts_no_step(folder, early):
             assert person.world.stands()[0] == pytest.approx(3.0, abs=1e-3)
             person.interpreter.typed("")
             await person.world.until(lambda: person.world.moving)
-            person.interpreter.typed("")  # too early again
+            person.interpreter.typed("")  # a second step is requested too early
             await person.world.until(lambda: picture.paused)
             await asyncio.sleep(2.0)
             assert person.world.stands()[0] == pytest.approx(8.0, abs=1e-3)
@@ -258,14 +258,16 @@ def test_a_session_is_saved_with_names_as_they_are_seen_from_its_folder(folder):
         shutil.copy(Path(__file__).parents[2] / "examples" / "cell.toml", folder / "cells" / "table.toml")
         async with talking(folder) as person:
             told = await person.type('CELL "cells/table.toml"')
-            assert "it holds" in told, told
+            assert "it is valid" in told, told
             await person.type(
                 "MOVEJ 5 0 0 0 20 0 [1] (deg,s)", ".save saved/deep/mine.yarc", ".save mine.yarc"
             )
             assert 'CELL "../../cells/table.toml"' in (folder / "saved" / "deep" / "mine.yarc").read_text()
             assert 'CELL "cells/table.toml"' in (folder / "mine.yarc").read_text()
             assert str(folder) not in (folder / "mine.yarc").read_text()
-            assert "its 1 declarations hold" in await person.type(".load saved/deep/mine.yarc")
+            assert "its 1 declarations are valid here from now on" in await person.type(
+                ".load saved/deep/mine.yarc"
+            )
             assert person.coordinator.lines.declarations == ['CELL "cells/table.toml"']
 
     run(session())

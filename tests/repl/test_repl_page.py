@@ -1,4 +1,4 @@
-"""docs/repl.md: its lines are typed, and what is said is what stands there."""
+"""Tests of docs/repl.md: its lines are typed, and the output is the one on the page."""
 
 import asyncio
 import re
@@ -17,7 +17,7 @@ SHORT = 0.05
 
 
 def replayed(block, folder):
-    """The block's typed lines with what is said now."""
+    """Return the typed lines of a block, with the present output."""
 
     async def session():
         async with talking(folder, asks=True) as person:
@@ -37,7 +37,7 @@ def replayed(block, folder):
                     await asyncio.sleep(float(lines[at + 1][2]))
                 else:
                     await person.settled()
-                    await asyncio.sleep(SHORT)  # for what is told of it
+                    await asyncio.sleep(SHORT)  # waits for the output of events
                 told = click.unstyle(person.taken()).replace(f"{folder}/", "")
                 shown += told.splitlines()
             return "\n".join(shown) + "\n"

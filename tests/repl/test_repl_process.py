@@ -1,4 +1,4 @@
-"""`yarc repl` as a process: in a terminal, and with lines on standard input."""
+"""Tests of `yarc repl` as a process, in a terminal and with lines on standard input."""
 
 import os
 import re
@@ -60,7 +60,7 @@ def test_a_session_in_a_terminal(terminal):
     terminal.expect(r"MOVEJ  6\.00 s")
     terminal.expect(r"go\? \[y/N\]")
     terminal.send("y\r")
-    time.sleep(1.5)  # a robot that really moves
+    time.sleep(1.5)  # the robot moves in real time
     terminal.send("\x03")
     terminal.expect("stopping on the path")
     terminal.expect("stopped on its path")
@@ -115,9 +115,9 @@ def test_a_question_that_nobody_answers_is_no(place):
 @pytest.mark.parametrize(
     ("options", "status", "word"),
     [
-        (["--start", "999,0,0,0,0,0"], 1, "out of its limits"),
+        (["--start", "999,0,0,0,0,0"], 1, "--start has J1 829 deg outside of its limits"),
         (["--start", "1,2"], 1, "has 2 values"),
-        (["--to", "tcp://127.0.0.1:1", "--rate", "2"], 2, "is for the simulator"),
+        (["--to", "tcp://127.0.0.1:1", "--rate", "2"], 2, "works only with the simulator"),
         (["--to", "tcp://127.0.0.1:1"], 1, "help"),
         (["--log", "x", "--no-log"], 2, "exclude"),
         (["--robot", "nobody"], 1, "Y1301"),
@@ -159,7 +159,9 @@ def test_a_log_that_is_removed_meanwhile_is_lost(place):
         out, err = process.communicate(".log\n", timeout=60)
     assert process.returncode == 1
     for text in (out, err):
-        assert re.search(r"the log is lost: yarc-runs/\S+\.mcap isn't there any more", text)
+        assert re.search(
+            r"the run log can't be used any more: yarc-runs/\S+\.mcap doesn't exist any more", text
+        )
 
 
 def test_a_controller_that_somebody_else_drives_is_left_alone(place):

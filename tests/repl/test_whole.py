@@ -1,4 +1,4 @@
-"""When what was typed can be carried out."""
+"""Tests of recognizing typed texts that are complete, and texts that continue on another line."""
 
 import pytest
 from hypothesis import given

@@ -1,4 +1,4 @@
-"""Shapes as triangles: closed, turned outwards, and as large as the shape."""
+"""Shapes as triangle meshes: closed, facing outwards, and of the same size as the shape."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,9 @@ SIZES = st.floats(0.01, 2.0)
 
 
 def volume(solid):
-    """By the divergence theorem: right only if all triangles are there, turned outwards."""
+    """Return the volume by the divergence theorem. It is right only if no triangle is missing and all face
+    outwards.
+    """
     a, b, c = solid.vertices[solid.faces].transpose(1, 0, 2)
     return float(np.einsum("ti,ti->", a, np.cross(b, c))) / 6.0
 
@@ -26,7 +28,7 @@ def test_a_box_has_its_volume(x, y, z):
 
 @given(SIZES, SIZES)
 def test_round_shapes_lie_just_within_theirs(radius, length):
-    """Corners lie on the surface, so that the volume is a little less than the shape's."""
+    """The corners of the mesh are on the surface, so its volume is slightly smaller than the shape's."""
     ball, tube = 4.0 / 3.0 * np.pi * radius**3, np.pi * radius**2 * length
     for shape, whole, height in (
         (Sphere(radius), ball, 2.0 * radius),

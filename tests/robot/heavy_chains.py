@@ -1,4 +1,4 @@
-"""Random chains with masses: as URDF text, read by yarclang, and by Pinocchio."""
+"""Random chains with masses: as URDF text, as read by yarclang, and as read by Pinocchio."""
 
 from dataclasses import dataclass
 
@@ -18,7 +18,7 @@ def numbers(values):
 
 
 def inertial(random):
-    """A body of some size: its inertia is that of a box, turned."""
+    """Return the URDF inertia of a body. It is that of a rotated box."""
     mass, edges = random.uniform(0.1, 8.0), random.uniform(0.02, 0.3, 3)
     turn = rpy_rotation(random.uniform(-3, 3, 3))
     tensor = turn @ np.diag(mass / 12 * (np.sum(edges**2) - edges**2)) @ turn.T
@@ -31,7 +31,9 @@ def inertial(random):
 
 
 def urdf_text(random, size):
-    """A chain from `foot` to `flange`, on a pedestal, with a lump fixed to each link."""
+    """Return the URDF of a chain from `foot` to `flange`, on a pedestal. A further body is fixed to each
+    link.
+    """
 
     def joint(name, kind, parent, child, more=""):
         place = f'xyz="{numbers(random.uniform(-0.4, 0.4, 3))}" rpy="{numbers(random.uniform(-3, 3, 3))}"'
@@ -65,7 +67,7 @@ def urdf_text(random, size):
 
 @dataclass
 class Heavy:
-    """A chain as yarclang reads it, and as Pinocchio does."""
+    """A chain as yarclang reads it, and as Pinocchio reads it."""
 
     text: str
     chain: object
@@ -77,13 +79,13 @@ class Heavy:
         return self.chain.size
 
     def rnea(self, q, v, a):
-        """Pinocchio's torques (P, n), one call an instant."""
+        """Return Pinocchio's torques (P, n), with one call for each instant."""
         data = self.model.createData()
         return np.array([pin.rnea(self.model, data, *one) for one in zip(q, v, a, strict=True)])
 
 
 def heavy(seed, size, tools=(), efforts=None, gravity=None):
-    """A random chain; tools are added to Pinocchio's model as bodies on the flange."""
+    """Return a random chain. In Pinocchio's model, tools are bodies on the flange."""
     random = np.random.default_rng(seed)
     text = urdf_text(random, size)
     urdf = read_urdf(SourceFile("heavy.urdf", text))
@@ -106,5 +108,5 @@ def heavy(seed, size, tools=(), efforts=None, gravity=None):
 
 
 def tool(mass=3.0, mounted=True):
-    """A tool with an inertia."""
+    """Return a tool with an inertia."""
     return Tool("T", mounted, mass, np.array([0.1, -0.05, 0.2]), np.diag([0.02, 0.03, 0.04]), ())

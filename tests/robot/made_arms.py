@@ -1,5 +1,5 @@
-"""Arms that `yarc robot new` makes, of real URDFs and of random ones; and programs that any of them can
-carry out.
+"""Robots that `yarc robot new` creates from real URDFs and from random ones, and programs that each of them
+can execute.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from yarclang.robot.kinematics import tool_poses
 DATA = Path(pinocchio.__file__).parents[4] / "share" / "example-robot-data" / "robots"
 UR = "ur_description/urdf/"
 REAL = {
-    # name: file, further arguments, joints that it must find
+    # name: file, further arguments, number of joints
     "ur3": (UR + "ur3_robot.urdf", (), 6),
     "ur5": (UR + "ur5_robot.urdf", (), 6),
     "ur5-limited": (UR + "ur5_joint_limited_robot.urdf", (), 6),
@@ -52,16 +52,16 @@ REAL = {
     "romeo-8": ("romeo_description/urdf/romeo_small.urdf", ("--tip", "l_wrist"), 8),
 }
 NEAR = 0.12
-"""How far the programs go from HOME [rad, or m], at most."""
+"""Largest distance of the programs from HOME [rad or m]."""
 
 
 def yarc(*arguments: object):
-    """`yarc` with arguments."""
+    """Run `yarc` with arguments."""
     return CliRunner().invoke(main, [str(argument) for argument in arguments])
 
 
 def made(urdf: Path, folder: Path, *arguments: str):
-    """The robot that `yarc robot new` makes, without anything said."""
+    """Return the robot that `yarc robot new` creates without questions."""
     result = yarc("robot", "new", urdf, "--yes", "-o", folder, *arguments)
     assert result.exit_code == 0, result.output
     loaded = load_robot(str(folder))
@@ -70,7 +70,9 @@ def made(urdf: Path, folder: Path, *arguments: str):
 
 
 def program(robot, seed: int = 0, pick=lambda spec, target: True) -> str:
-    """A program of all motion commands with all their targets, each from HOME to somewhere near."""
+    """Return a program of all motion commands with all kinds of goals, each from HOME to a position near
+    HOME.
+    """
     random = np.random.default_rng(seed)
     lines = ["DEFAULT {TCP} [MIN] (mm,deg,s) {B}"]
     for spec in commands().values():
@@ -89,7 +91,9 @@ def program(robot, seed: int = 0, pick=lambda spec, target: True) -> str:
 
 
 def _goals(robot, random, kinds) -> list[str]:
-    """Values for way-points, the last first: what comes before a position bulges out of the way to it."""
+    """Return values for waypoints. A waypoint that is only a position, except for the last one, is placed
+    beside the straight way from the start to the next waypoint.
+    """
     limits, units = robot.limits, robot.axis_units
     room = np.minimum(NEAR, 0.8 * np.minimum(robot.home - limits.lower, limits.upper - robot.home))
     tcp = robot.flange_from_frame["TCP"]
@@ -111,7 +115,8 @@ def _goals(robot, random, kinds) -> list[str]:
         }[kind]
         texts.append(np.array(numbers))
     for at, kind in enumerate(kinds[:-1]):
-        if kind is Values.POSITION:  # on the way from the start to the next, a fifth of the way aside
+        # halfway to the next waypoint, and aside by a fifth of this distance
+        if kind is Values.POSITION:
             way = texts[at + 1][:3] - start[:3, 3] * 1e3
             aside = np.cross(way, [0.6, 0.0, 0.8])
             texts[at] = (
@@ -121,8 +126,8 @@ def _goals(robot, random, kinds) -> list[str]:
 
 
 def calibrated(text: str, seed: int = 1) -> str:
-    """A URDF with each joint's frame off by 0.1 mm and 0.01 deg or so in every direction: no axes meet any
-    more.
+    """Return a URDF as if it were calibrated: each joint's frame is off by about 0.1 mm and 0.01 deg in all
+    directions, so no axes meet.
     """
     random = np.random.default_rng(seed)
 
@@ -139,7 +144,7 @@ def calibrated(text: str, seed: int = 1) -> str:
 
 
 def urdf_of(joints) -> str:
-    """A URDF of (kind, origin xyz, origin rpy, axis, limits) from the base on."""
+    """Return a URDF of joints (kind, origin xyz, origin rpy, axis, limits), beginning at the base."""
     lines = ['<robot name="chain" version="1.1">', '<link name="base_link"/>']
     above = "base_link"
     for number, (kind, xyz, rpy, axis, (low, high)) in enumerate(joints, 1):

@@ -1,4 +1,4 @@
-"""Joint positions to motor counts and back, against the paper's eq. 5 to 8."""
+"""Tests of converting joint positions to motor counts and back, by the paper's eq. 5 to 8."""
 
 from __future__ import annotations
 

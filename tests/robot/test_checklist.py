@@ -1,4 +1,4 @@
-"""`yarc robot check`: each point can fail, and says what to do."""
+"""Tests of `yarc robot check`: each check can fail, and then says what to do."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ MINUS = "-2.9670597"
 
 
 def changed(folder: Path, *changes: tuple[str, str], file: str = "robot.toml") -> str:
-    """A copy of INDUSTRIAL6 with texts replaced."""
+    """Return the path of a copy of INDUSTRIAL6 with texts replaced."""
     shutil.copytree(INDUSTRIAL6, folder, dirs_exist_ok=True)
     text = (folder / file).read_text()
     for old, new in changes:
@@ -45,7 +45,7 @@ def test_nothing_is_to_do_for_the_library(name):
 
 
 POINTS = [
-    # what is changed, the point, its verdict, a word of it
+    # replaced texts, the check, its verdict, a part of its message
     ([("velocity = 60  ", "velocity = 6000")], "velocity limits", "to do", "6000 deg/s"),
     ([("acceleration = 240\njerk", "acceleration = 2\njerk")], "acceleration limits", "to do", "30 s"),
     ([("jerk = 2000\n", "jerk = 20\n")], "jerk limits", "to do", "12 s"),
@@ -105,7 +105,7 @@ def test_what_is_no_robot(words, tmp_path, monkeypatch):
 
 
 def heavy(center, effort=500):
-    """Each link of a large arm with a mass whose centre is at `center`."""
+    """Return the URDF of a large arm in which each link has a mass with its center at `center`."""
     inside = (
         f'<inertial><origin xyz="{center}"/><mass value="2"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" '
         'iyz="0" izz="0.1"/></inertial>'
@@ -160,7 +160,9 @@ def test_the_old_name_is_told():
 
 
 def test_lines_and_times_are_tried(tmp_path):
-    """A healthy arm follows all; with a wrist that hardly moves no line at a fixed orientation is."""
+    """A normal arm can follow all lines. With a wrist that can hardly move, none is possible with constant
+    orientation.
+    """
     result = yarc("robot", "check", "INDUSTRIAL6")
     assert "all 12 lines of" in result.output
     assert "µs a pose, of 500 at once" in result.output
@@ -199,7 +201,9 @@ def test_lines_that_end_are_told_with_the_joint(tmp_path):
 )
 @pytest.mark.parametrize("place", ["[0, 100, 0]", "[0, 0, 0]"])
 def test_the_tools_axis_is_told(place, rpy, verdict, words, tmp_path):
-    """The arm's tool leads along y of its flange, which the wrist says as well as the tool's tip."""
+    """The check reports the axis along which the tool points: y of the flange, according to both the wrist
+    and the tool's tip.
+    """
     old = "xyz = [0, 100, 0]  # mm\nrpy = [0, 0, 0]    #"
     robot = changed(tmp_path, (old, f"xyz = {place}  # mm\nrpy = {rpy}    #"))
     (axis,) = [item for item in check_robot(robot).items if item.subject == "tool axis"]

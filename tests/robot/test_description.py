@@ -1,4 +1,6 @@
-"""Reading robots: the two of the library, one test a finding, and no traceback whatever the bytes."""
+"""Tests of reading robots: the two robots of the library, one test for each finding, and no exception for any
+bytes.
+"""
 
 from __future__ import annotations
 
@@ -36,7 +38,7 @@ def robot(name: str) -> Robot:
 
 
 def load_texts(folder: Path, toml: str | bytes = TOML, urdf: str | bytes = URDF) -> Result[Robot]:
-    """What loading says of the two texts."""
+    """Return the result of loading a robot from the two texts."""
     for name, text in (("robot.toml", toml), ("industrial6.urdf", urdf)):
         (folder / name).write_bytes(text.encode() if isinstance(text, str) else text)
     return load_robot(str(folder))
@@ -198,7 +200,7 @@ def test_the_tracked_arm_has_a_closed_form_and_a_regular_home() -> None:
     axes = arm.chain.screws[:, 3:]
     assert np.allclose(np.cross(axes[1], axes[2]), 0)
     assert abs(axes[0] @ axes[1]) < 1e-12
-    # a point is on the axis of a screw where its velocity is zero
+    # A point is on the axis of a screw if its velocity is zero.
     wrist = np.array([0.0, 0.75, 1.1])
     for screw in arm.chain.screws[3:]:
         assert np.allclose(screw[:3] + np.cross(screw[3:], wrist), 0, atol=1e-12)
@@ -237,7 +239,7 @@ def test_an_axis_of_any_length_and_frames_on_frames(tmp_path: Path) -> None:
     assert np.allclose(result.value.chain.screws, robot("industrial6").chain.screws, atol=1e-12)
     frame = result.value.flange_from_frame
     assert sorted(frame) == ["A", "FAR", "FLANGE", "TCP"]
-    # Rz(90) Rx(90) turns z to -y and then to x
+    # Rz(90) Rx(90) turns z to -y, and then to x.
     assert np.allclose(frame["A"][:3, :3], [[0, 0, 1], [1, 0, 0], [0, 1, 0]])
     assert np.allclose(frame["FAR"][:3, 3], [0.01, 0.1, 0])
 
@@ -267,7 +269,7 @@ def test_the_speed_of_jogs_is_the_robots_and_no_programs(tmp_path: Path) -> None
     other = load_texts(tmp_path, TOML.replace("speed = 250 ", "speed = 100 "), URDF).value
     assert other is not None
     assert other.jog_speed == pytest.approx(0.1)
-    assert other.fingerprint == ours.fingerprint  # what was compiled stays as it is
+    assert other.fingerprint == ours.fingerprint  # compiled programs stay valid
     without = load_texts(tmp_path, TOML[: TOML.index("# How fast")], URDF).value
     assert without is not None
     assert without.jog_speed == pytest.approx(0.25)
@@ -280,7 +282,7 @@ I6 = "    [0, 0, 0, 0, 0, 1],\n"
 FIRST_LIMIT = '<limit lower="-2.9670597" upper="2.9670597" velocity="1.0471976" effort="2000"/>'
 
 IN_TOML = [
-    # code, text, what takes its place, a part of the line that is shown
+    # code, text, replacement, a part of the reported line
     ("Y1302", 'urdf = "industrial6.urdf"', 'urdf = "other.urdf"', "other.urdf"),
     ("Y1302", 'urdf = "industrial6.urdf"', 'urdf = "."', 'urdf = "."'),
     ("Y1302", 'urdf = "industrial6.urdf"', 'urdf = "\\u0000"', "urdf ="),
@@ -484,7 +486,7 @@ def test_a_finding_about_the_urdf(
     result = load_texts(tmp_path, TOML, URDF.replace(old, new, 1))
     check_one(result.diagnostics, code, "industrial6.urdf", mark)
     assert (result.value is None) == (CATALOGUE[code].severity == "error")
-    assert capfd.readouterr().err == ""  # Pinocchio has not seen it
+    assert capfd.readouterr().err == ""  # Pinocchio hasn't read it, and so has printed nothing
 
 
 def test_what_else_can_be_wrong_with_the_chain(tmp_path: Path) -> None:
@@ -494,7 +496,7 @@ def test_what_else_can_be_wrong_with_the_chain(tmp_path: Path) -> None:
     link = URDF[URDF.index('  <link name="link_4">') : URDF.index('  <link name="link_5">')]
     result = load_texts(tmp_path, TOML, URDF.replace(link, '  <link name="link_4"/>\n'))
     assert result.value is not None
-    assert result.diagnostics == ()  # a program's commands don't repeat it
+    assert result.diagnostics == ()  # not repeated by each command of a program
     check_one(bare_links(result.value), "Y1359", "industrial6.urdf", "link_4")
     result = load_texts(tmp_path, TOML, URDF.replace(' version="1.1"', "", 1).replace('version="1.1">', ">"))
     assert {finding.code for finding in result.diagnostics} == {"Y1358"}
@@ -573,7 +575,7 @@ def test_a_fixed_joint_needs_no_axis(tmp_path: Path) -> None:
 def test_every_finding_of_the_family_is_tested() -> None:
     tested = {row[0] for row in (*IN_TOML, *IN_URDF)}
     tested |= {"Y1301", "Y1314", "Y1318", "Y1358", "Y1359", "Y1360"}
-    tested |= {"Y1365"}  # by tests of `yarc robot new`
+    tested |= {"Y1365"}  # tested by the tests of `yarc robot new`
     families = (y13_robot, y13_joints, y13_urdf, y13_chain)
     assert {finding.code for family in families for finding in family.FINDINGS} == tested
 
@@ -593,7 +595,7 @@ def test_a_mesh_is_found_beside_the_urdf(tmp_path: Path) -> None:
 
 
 def check_any(result: Result[Robot]) -> None:
-    """A robot or errors; and what must hold of every finding."""
+    """Check that the result is a robot or errors, and what holds for each finding."""
     assert (result.value is None) == any(finding.is_error for finding in result.diagnostics)
     for finding in result.diagnostics:
         assert finding.message.endswith(".")
@@ -641,7 +643,7 @@ def test_any_bytes_as_urdf(tmp_path: Path, content: bytes) -> None:
 
 
 def changes(text: str, tokens: str) -> st.SearchStrategy[str]:
-    """The text with some of its tokens removed, doubled, or replaced."""
+    """Return a strategy of texts with some tokens removed, doubled or replaced."""
     places = [match.span() for match in re.finditer(tokens, text)]
     odd = [
         "",

@@ -1,4 +1,4 @@
-"""Torques of many instants at once are Pinocchio's, one by one; masses and efforts come from the URDF,
+"""Tests of torques: many instants at once give Pinocchio's torques; masses and efforts come from the URDF,
 tools and robot.toml.
 """
 
@@ -83,14 +83,14 @@ def test_real_arms(tmp_path, name):
 
 
 def test_what_the_files_say(tmp_path):
-    """Masses in the URDF, an effort and the direction of gravity in robot.toml; and when nothing is
-    checked.
+    """Masses are read from the URDF, an effort and the direction of gravity from robot.toml. Without masses,
+    nothing is checked.
     """
     plain = load_robot("INDUSTRIAL6").value
     assert not plain.dynamics.is_checked
     assert plain.dynamics.effort == pytest.approx([2000, 2000, 1000, 200, 200, 100])
     told = CliRunner().invoke(main, ["robot", "check", "INDUSTRIAL6"]).output
-    assert "torques aren't checked: what J1, J2, J3 and 3 more move has no mass" in told
+    assert "torques aren't checked: the links moved by J1, J2, J3 and 3 more have no mass" in told
     folder = heavy_industrial6(tmp_path)
     robot = load_robot(folder).value
     assert robot.dynamics.is_checked
@@ -110,7 +110,7 @@ def test_what_the_files_say(tmp_path):
 
 
 def heavy_industrial6(tmp_path):
-    """The robot with 10 kg a link."""
+    """Give each link of INDUSTRIAL6 a mass of 10 kg."""
     mass = (
         '<inertial><mass value="10"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" '
         'iyz="0"/></inertial>'

@@ -1,5 +1,5 @@
-"""Arms of the package example-robot-data, made as their files are, and judged by Pinocchio on the original
-text: joints, solutions, and the line that is emitted.
+"""Tests with arms of the package example-robot-data, created from its files. Pinocchio, which reads the
+original text, checks joints, solutions and the emitted line.
 """
 
 import numpy as np
@@ -14,7 +14,7 @@ from yarclang.robot.kinematics import flange_poses, reaching
 from yarclang.robot.kinematics.search import within
 
 ARMS = {
-    # the file, the tip that is said, the base, the flange, how many joints
+    # file, given tip, base, flange, number of joints
     "kinova": ("kinova_description/robots/kinova.urdf", "", "j2s6s200_link_base", "j2s6s200_end_effector", 6),
     "panda": ("panda_description/urdf/panda.urdf", "", "panda_link0", "panda_link8", 7),
     "ur5": ("ur_description/urdf/ur5_robot.urdf", "", "base_link", "tool0", 6),
@@ -80,7 +80,9 @@ def test_a_file_with_more_than_one_limb_asks(name, tmp_path):
 
 
 def test_a_package_with_three_slashes_is_that_package(tmp_path):
-    """Talos names its meshes so: 23 of them weren't found."""
+    """A URI with three slashes (package:///...) names the same package. Talos uses such URIs for
+    23 meshes.
+    """
     path = next(iter(DATA.rglob("talos_full_v2.urdf")))
     result = yarc("robot", "new", path, "--yes", "--tip", "gripper_left_base_link", "-o", tmp_path / "r")
     assert result.exit_code == 0, result.output

@@ -1,5 +1,5 @@
-"""The HOME that `yarc robot new` proposes: away from singularities and limits, and free of collision,
-judged by Pinocchio on the original URDF.
+"""Tests of the HOME that `yarc robot new` proposes: away from singularities and limits, and free of
+collisions according to Pinocchio, which reads the original URDF.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from yarclang.robot.kinematics.search import within
 from yarclang.robot.new.home import STANDS, standing
 
 ARMS = {"ur5": "base_link", "panda": "panda_link0"}
-"""An arm of six joints and one of seven, and the link that blocks stand on."""
+"""An arm of six joints and one of seven, each with the link to which balls are fixed."""
 
 
 def blocked(name: str, places, radius: float = 0.12) -> str:
-    """The URDF with balls at places (K, 3) [m], fixed to the base."""
+    """Return the URDF with balls at places (K, 3) [m], fixed to the base."""
     text = (DATA / REAL[name][0]).read_text(encoding="utf-8")
     text = text.replace("package://example-robot-data/robots", str(DATA))
     balls = "".join(
@@ -35,7 +35,7 @@ def blocked(name: str, places, radius: float = 0.12) -> str:
 
 
 def balls_that_are_hit(text: str, robot, q) -> list[str]:
-    """Which balls any link touches, by Pinocchio's geometry of the text."""
+    """Return the balls that a link touches, by Pinocchio's geometry of the URDF."""
     model = pin.buildModelFromXML(text)
     geometry = pin.buildGeomFromUrdfString(model, text, pin.GeometryType.COLLISION)
     geometry.addAllCollisionPairs()
@@ -54,7 +54,7 @@ def balls_that_are_hit(text: str, robot, q) -> list[str]:
 
 
 def smallest(text: str, robot, tip: str, rows) -> np.ndarray:
-    """The smallest singular values (N,) of the Jacobian of `tip`, lengths by 1 m, by Pinocchio."""
+    """Return the smallest singular values (N,) of the Jacobian of `tip`, with lengths in m, by Pinocchio."""
     model = pin.buildModelFromXML(text)
     state = model.createData()
     joints = [model.joints[model.getJointId(name)] for name in robot.joint_names]
@@ -71,7 +71,9 @@ def smallest(text: str, robot, tip: str, rows) -> np.ndarray:
 
 @pytest.mark.parametrize("name", ARMS)
 def test_home_moves_out_of_what_is_fixed_to_the_base(name, tmp_path):
-    """A ball at the flange of the HOME that is proposed without it, and then one more at that of the next."""
+    """A ball is placed at the flange of the proposed HOME, then a second one at the flange of the next
+    proposed HOME.
+    """
     tip = {"ur5": "tool0", "panda": "panda_link8"}[name]
     places: list[list[float]] = []
     before: list[list[float]] = []
@@ -86,7 +88,7 @@ def test_home_moves_out_of_what_is_fixed_to_the_base(name, tmp_path):
         assert home.tolist() not in before
         for other in before:
             assert balls_that_are_hit(text, robot, other)
-        # well conditioned and well within limits, among all positions of the arm
+        # Compared with random positions of the arm, HOME is well conditioned and far from limits.
         values = smallest(text, robot, tip, [home, *within(robot.chain, robot.limits, 300)])
         assert values[0] >= np.median(values[1:]) * 0.6
         room = np.minimum(home - robot.limits.lower, robot.limits.upper - home)
@@ -99,7 +101,9 @@ def test_home_moves_out_of_what_is_fixed_to_the_base(name, tmp_path):
 
 
 def test_no_free_home_is_said(tmp_path):
-    """A ball around the whole arm but for the links of the foot."""
+    """If a ball surrounds the whole arm except the links of its foot, the message says that no HOME
+    is free.
+    """
     file = tmp_path / "a.urdf"
     file.write_text(blocked("ur5", [[0.0, 0.0, 1.35]], radius=1.3), encoding="utf-8")
     given = ("--home", "0,-90,0,0,0,0", "--meshes", DATA)
@@ -111,20 +115,22 @@ def test_no_free_home_is_said(tmp_path):
     home = load_robot(str(tmp_path / "given")).value
     assert (home.home / home.axis_units).tolist() == pytest.approx(
         [0, -90, 0, 0, 0, 0]
-    )  # what is given stays
+    )  # a given HOME isn't changed
 
 
 MASS = '<inertial><mass value="50"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
 
 
 def heavy(effort: float) -> str:
-    """An arm of 50 kg a link: stretched, its second and third joint hold 1,220 N m."""
+    """Return an arm with 50 kg in each link. When it is stretched, its second and third joints hold 1,220 N
+    m.
+    """
     return robot(arm(effort=effort)).replace("<collision>", f"{MASS}<collision>")
 
 
 def test_home_is_held_by_the_efforts_where_some_position_is(tmp_path):
     strong = made(written(tmp_path, heavy(5000)), tmp_path / "strong")
-    assert standing(strong, strong.home[None]).max() > 0.2  # the same position takes more than 900 N m
+    assert standing(strong, strong.home[None]).max() > 0.2  # this HOME needs more than 900 N m
     weak = made(written(tmp_path, heavy(1000)), tmp_path / "weak")
     assert standing(weak, weak.home[None]).max() <= STANDS
     assert standing(weak, strong.home[None]).max() > STANDS

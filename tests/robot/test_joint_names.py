@@ -1,4 +1,4 @@
-"""J1, J2 and so on beside the names of the URDF."""
+"""Tests of the names J1, J2 and so on, which can be used beside the joint names of the URDF."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -58,7 +58,9 @@ def test_each_name_means_one_joint(found):
 
 
 def test_own_numbers_hold_alone():
-    """J1 of an arm with the joints J0 to J5 would be two joints."""
+    """If the URDF's joints are called J0 to J5, only these names are used. Otherwise J1 could mean two
+    joints.
+    """
     own = tuple(f"J{number}" for number in range(6))
     assert joint_number(own, "J1") == 1
     assert joint_number(own, "J6") is None
@@ -78,7 +80,7 @@ def test_a_joint_is_named_in_either_way_at_the_doors():
 
 
 def window(joints):
-    """The result of reading a cell with a window of the joints."""
+    """Return the result of reading a cell with a window of joint positions."""
     text = (
         'units = "mm,deg,s"\n'
         "[[zones]]\n"

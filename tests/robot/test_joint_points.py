@@ -1,5 +1,5 @@
-"""Places of joints as a URDF puts them, by Pinocchio on the original text, and the bars that are drawn
-between them.
+"""Tests of the joints' positions, which equal those of Pinocchio for the original URDF, and of the bars that
+are drawn between them.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from yarclang.view.bodies import robot_items
 
 @pytest.fixture
 def bare(tmp_path):
-    """A robot whose URDF has no shapes, and the text of that URDF."""
+    """Return a robot whose URDF has no shapes, and the text of this URDF."""
     text = re.sub("<collision>.*?</collision>", "", robot(arm()))
     result = yarc("robot", "new", written(tmp_path, text), "--yes", "-o", tmp_path / "r")
     assert result.exit_code == 0, result.output
@@ -33,7 +33,7 @@ def bare(tmp_path):
 
 
 def places(text, names):
-    """Origins (n, 3) of the joints' frames with all joints at zero, by Pinocchio."""
+    """Return the origins (n, 3) of the joints' frames with all joints at zero, by Pinocchio."""
     model = pin.buildModelFromXML(text)
     state = model.createData()
     pin.forwardKinematics(model, state, pin.neutral(model))
@@ -81,7 +81,7 @@ def test_pictures_show_the_bars_where_the_arm_is(bare):
     assert np.linalg.norm(end - flange) < 1e-9, "the axis of the last joint leads through the flange"
     items, notes = robot_items(made)
     assert [item.kind for item in items] == ["robot"] * len(sticks(made))
-    assert [one for one in notes if "bars lead from joint to joint" in one] == [*notes]
+    assert [one for one in notes if "the robot is shown by bars from joint to joint" in one] == [*notes]
 
 
 def test_nothing_is_drawn_of_files_that_are_gone(bare):

@@ -1,5 +1,5 @@
-"""Large collision meshes are copied as their hulls: the same body, in a small file that each command
-reads.
+"""Tests that large collision meshes are replaced by their convex hulls in the copy: the collision body is the
+same, and its file is small.
 """
 
 import numpy as np
@@ -39,7 +39,7 @@ def test_the_robot_has_the_hull_and_pictures_the_mesh(suffix, tmp_path, monkeypa
     file = with_mesh(tmp_path, suffix, content)
     result = yarc("robot", "new", file, "--yes", "-o", tmp_path / "r")
     assert result.exit_code == 0, result.output
-    assert "the convex hull is copied" in result.output
+    assert "replaced by their convex hulls" in result.output
     copy = tmp_path / "r/meshes/part.hull.ply"
     assert copy.stat().st_size < len(content) / 2
     assert (tmp_path / f"r/meshes/visual/part{suffix}").read_bytes() == content

@@ -1,5 +1,5 @@
-"""URDFs the way makers' files look: which joints are the arm, judged with Pinocchio on the original text,
-up to the path that is emitted.
+"""Tests with URDFs like those of manufacturers: the joints of the arm are found, and Pinocchio, which reads
+the original text, checks everything up to the emitted path.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from yarclang.robot.kinematics.search import within
 SIX = tuple(f"joint_{number}" for number in range(1, 7))
 WORLD = link("world", shape=False)
 PATH = 0.01
-"""How far an emitted line may be from the straight one [mm]."""
+"""Largest allowed distance of an emitted line from the straight line [mm]."""
 
 
 def fixed(name, parent, child, xyz=(0, 0, 0)):
@@ -70,7 +70,7 @@ ENDLESS = robot(arm(effort=0)).replace('lower="-2.5" upper="2.5"', 'lower="-9999
 ZEROS = '<inertial><mass value="0"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial>'
 
 FILES = {
-    # the text, its base, its flange, its joints
+    # text, base, flange, joints
     "gripper and camera": (robot(arm(), HAND, CAMERA), "base_link", "tool0", SIX),
     "one finger is called so": (
         robot(arm(), HAND.replace("right_drive", "right_finger")),
@@ -159,7 +159,7 @@ def test_the_emitted_line_is_straight_by_the_original(name, tmp_path):
 
 
 def closed_chains(count: int) -> str:
-    """A delta: arms and rods side by side, the platform on one of them."""
+    """Return a delta robot: arms and rods side by side, with the platform on one of the rods."""
     parts = [link("base_link")]
     for number in range(count):
         parts += [link(f"arm{number}"), link(f"rod{number}")]

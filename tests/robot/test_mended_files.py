@@ -1,5 +1,5 @@
-"""Files that other readers take, or nearly: mended with a note, and judged by Pinocchio on the original
-where Pinocchio reads that.
+"""Tests of files that other programs accept, or nearly: they are repaired with a note. Where Pinocchio reads
+the original, it checks the result.
 """
 
 import numpy as np
@@ -19,7 +19,7 @@ def fixed(name, parent, child, xyz=(0, 0, 0)):
 
 
 def on_foot(inside):
-    """An arm with one more link on its foot."""
+    """Return an arm with a further link on its foot."""
     return robot(arm(), link("k", inside, shape=False), fixed("to_k", "base_link", "k"))
 
 
@@ -32,7 +32,7 @@ def body(shape):
 
 
 def bare(*more):
-    """Six joints without flange and tool0."""
+    """Return an arm of six joints without the links flange and tool0."""
     parts = [link("base_link")]
     for name, parent, child, xyz, axis in LARGE:
         parts += [link(child), joint(name, parent, child, xyz, axis)]
@@ -43,12 +43,12 @@ BOX = '<box size="1 1 1"/>'
 COLOR = '<color rgba="{}"/>'
 LIMITS = 'lower="-2.5" upper="2.5"'
 MENDED = {
-    # the text, the note, whether Pinocchio reads the original
-    "limits of inf": (robot(arm()).replace(LIMITS, 'lower="-inf" upper="inf"'), "12 limits without an end",
+    # text, note, True if Pinocchio can read the original
+    "limits of inf": (robot(arm()).replace(LIMITS, 'lower="-inf" upper="inf"'), "12 infinite limits",
         False),
-    "limits of 1e308": (robot(arm()).replace(LIMITS, 'lower="-1e308" upper="1e308"'), "12 limits without",
+    "limits of 1e308": (robot(arm()).replace(LIMITS, 'lower="-1e308" upper="1e308"'), "12 infinite limits",
         True),
-    "effort of inf": (robot(arm()).replace('effort="500"', 'effort="inf"'), "6 limits without an end", False),
+    "effort of inf": (robot(arm()).replace('effort="500"', 'effort="inf"'), "6 infinite limits", False),
     "tabs in numbers": (robot(arm()).replace('xyz="0 0 0.78"', 'xyz="0\t0 0.78"'),
         "lists of numbers with tabs", False),
     "line ends in numbers": (robot(arm()).replace('xyz="0 0 0.78"', "xyz='\n"
@@ -57,7 +57,7 @@ MENDED = {
         "0.78 '"), "1 lists of numbers", False),
     "a capsule of version 1.0": (
         on_foot(body('<capsule radius="0.01" length="0.1"/>')).replace(' version="1.1"', ""),
-        "1 capsules count",
+        "1 capsules are kept",
         True,
     ),
     "a cylinder that is only drawn and has no size": (
@@ -69,15 +69,15 @@ MENDED = {
         True),
     "a disc": (on_foot(body('<cylinder radius="0.1" length="0"/>')), "1 collision shapes with a side of 0",
         True),
-    "a picture without a shape": (on_foot("<visual><geometry/></visual>"), "1 pictures without a shape",
+    "a picture without a shape": (on_foot("<visual><geometry/></visual>"), "1 visuals without a shape",
         True),
-    "a picture without a file": (on_foot(picture('<mesh filename=""/>')), "1 pictures without a shape", True),
-    "a picture of scale 0": (on_foot(picture('<mesh filename="a.stl" scale="0 0 0"/>')), "1 pictures", True),
+    "a picture without a file": (on_foot(picture('<mesh filename=""/>')), "1 visuals without a shape", True),
+    "a picture of scale 0": (on_foot(picture('<mesh filename="a.stl" scale="0 0 0"/>')), "1 visuals", True),
     "a material without a name": (on_foot(picture(BOX, f"<material>{COLOR.format('0 0 0 1')}</material>")),
         "1 materials", True),
     "a material twice": (
         robot(2 * f'<material name="a">{COLOR.format("0 0 0 1")}</material>', arm()),
-        "1 materials that are there twice",
+        "1 materials that are repeated",
         False,
     ),
     "colours up to 255": (
@@ -217,4 +217,4 @@ def test_another_format_in_a_comment_is_none(comment, tmp_path):
 def test_another_format_after_a_comment_is_one(text, tmp_path):
     result = yarc("robot", "new", written(tmp_path, text), "--yes", "-o", tmp_path / "r")
     assert result.exit_code == 1
-    assert "and not a URDF" in result.output
+    assert "format, not a URDF" in result.output

@@ -1,4 +1,4 @@
-"""What counts as a mesh: real ones of all kinds, and what only looks like one."""
+"""Tests of recognizing meshes: real ones of all kinds, and files that only look like one."""
 
 import struct
 from pathlib import Path
@@ -103,7 +103,7 @@ SECRETS = [
 @pytest.mark.parametrize("kind", [".stl", ".obj", ".dae", ".ply"])
 @pytest.mark.parametrize("content", SECRETS, ids=range(len(SECRETS)))
 def test_what_is_no_mesh_is_refused(kind, content, tmp_path):
-    with pytest.raises(NoMeshError, match="its content is something else"):
+    with pytest.raises(NoMeshError, match="its content has another format"):
         read(tmp_path, f"a{kind}", content)
 
 
@@ -126,14 +126,14 @@ def test_one_kind_by_the_name_of_another_is_refused(tmp_path):
 @given(st.binary(max_size=400), st.sampled_from([".stl", ".obj", ".dae", ".ply"]))
 @example(b"solid", ".stl")
 def test_nothing_else_is_raised(tmp_path, content, kind):
-    # a text that only begins a solid is an STL without a triangle
+    # A text that begins with "solid" is an STL without triangles.
     assume(not content.startswith((b"solid ", b"solid\n", b"solid\r")))
     with pytest.raises(NoMeshError):
         read(tmp_path, f"a{kind}", content)
 
 
 def test_large_files_take_bounded_time(tmp_path):
-    """Contents that are made to keep a search busy."""
+    """Contents that are made to keep a search busy are read in limited time."""
     for name, content in (
         ("a.stl", b"solid x\n" + b"facet normal 0 0 1\n" * 200_000 + b"!"),
         ("a.stl", b"solid " + b" " * 4_000_000 + b"\nvertex" + b" " * 4_000_000),
@@ -165,10 +165,10 @@ NAN = struct.pack("<f", float("nan"))
     ("name", "content", "fault"),
     [
         ("a.stl", b"\0" * 84, "no triangle"),
-        ("a.stl", BINARY[:96] + NAN + BINARY[100:], "no finite number"),
-        ("a.stl", BINARY[:96] + struct.pack("<f", float("inf")) + BINARY[100:], "no finite number"),
-        ("a.stl", TEXT.replace(b"1.5e-3", b"-NaN"), "no finite number"),
-        ("a.obj", OBJ.replace(b"v 1 0 0", b"v 1 inf 0"), "no finite number"),
+        ("a.stl", BINARY[:96] + NAN + BINARY[100:], "isn't a finite number"),
+        ("a.stl", BINARY[:96] + struct.pack("<f", float("inf")) + BINARY[100:], "isn't a finite number"),
+        ("a.stl", TEXT.replace(b"1.5e-3", b"-NaN"), "isn't a finite number"),
+        ("a.obj", OBJ.replace(b"v 1 0 0", b"v 1 inf 0"), "isn't a finite number"),
     ],
 )
 def test_a_mesh_that_could_never_collide_is_refused(name, content, fault, tmp_path):
@@ -192,9 +192,9 @@ DAE_CORNERS = (
 
 @pytest.mark.parametrize("word", [b"NaN", b"nan", b"INF", b"-inf"])
 def test_a_dae_with_a_corner_that_is_no_number_is_refused(word, tmp_path):
-    with pytest.raises(NoMeshError, match="has a corner that is no finite number"):
+    with pytest.raises(NoMeshError, match="has a corner that isn't a finite number"):
         read(tmp_path, "a.dae", DAE_CORNERS % (word, b"0"))
-    assert read(tmp_path, "a.dae", DAE_CORNERS % (b"0", word))  # a normal
+    assert read(tmp_path, "a.dae", DAE_CORNERS % (b"0", word))  # here the odd number is in a normal
 
 
 @pytest.mark.parametrize(
@@ -213,7 +213,7 @@ def test_an_obj_with_faces_of_its_corners_is_read(face, tmp_path):
 @pytest.mark.parametrize(
     ("name", "content", "why"),
     [
-        ("a.stl", b"", "something else: it is empty$"),
+        ("a.stl", b"", "another format: it is empty$"),
         ("a.stl", BINARY[:-1], r"a binary STL of 1 triangles has 134 bytes, this one has 133\)$"),
         ("a.dae", DAE[:-12], r"\(XML, line 2: "),
     ],
@@ -224,13 +224,15 @@ def test_a_file_that_was_cut_off_is_named_as_such(name, content, why, tmp_path):
 
 
 def test_a_face_of_something_else_is_not_shown(tmp_path):
-    with pytest.raises(NoMeshError, match=r"has a face with the corner that is no integer, but 3 corners$"):
+    with pytest.raises(
+        NoMeshError, match=r"has a face with the corner that isn't an integer, but 3 corners$"
+    ):
         read(tmp_path, "a.obj", OBJ + b"f 1 2 \x1b[31m\n")
 
 
 def test_a_doctype_is_refused_before_its_entities_are_read(tmp_path):
     bomb = b'<!DOCTYPE a [<!ENTITY b "bbbbbbbbbb"><!ENTITY c "&b;&b;&b;&b;">]><COLLADA>&c;</COLLADA>'
-    with pytest.raises(NoMeshError, match=r"something else \(XML with a DOCTYPE\)$"):
+    with pytest.raises(NoMeshError, match=r"another format \(XML with a DOCTYPE\)$"):
         read(tmp_path, "a.dae", bomb)
 
 

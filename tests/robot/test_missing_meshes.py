@@ -1,4 +1,6 @@
-"""Collision meshes that aren't where their names lead: found by other ways, or refused with what helps."""
+"""Tests of collision meshes that aren't at the given paths: they are found elsewhere, or the refusal says
+what helps.
+"""
 
 import pytest
 
@@ -20,7 +22,7 @@ FOREIGN = {
 
 
 def with_meshes(folder, *names):
-    """An arm with a link on its foot for each mesh."""
+    """Return the file of an arm with a link on its foot for each mesh."""
     parts = [
         link(f"s{at}", MESH.format(name), shape=False) + joint(f"j{at}", "base_link", f"s{at}", kind="fixed")
         for at, name in enumerate(names)
@@ -45,7 +47,8 @@ def test_a_mesh_is_found_by_the_end_of_its_name_where_the_user_says(name, tmp_pa
         (tmp_path / place).write_text(solid(text))
     result = new(file, "--meshes", tmp_path / "mine")
     assert result.exit_code == 0, result.output
-    assert (tmp_path / "r/meshes/visit.stl").read_text() == solid("right")  # the longest end counts
+    # the file whose path has the longest common end is used
+    assert (tmp_path / "r/meshes/visit.stl").read_text() == solid("right")
 
 
 def test_where_they_were_looked_for_is_said(tmp_path):
@@ -59,7 +62,7 @@ def test_where_they_were_looked_for_is_said(tmp_path):
     assert "304 collision meshes aren't there" in text
     assert "300 more" in text
     assert f"The package there is {tmp_path / 'ws/there'}" in text
-    assert f"The package gone was looked for in {tmp_path / 'given'}" in text
+    assert f"The package gone was searched in {tmp_path / 'given'}" in text
     assert f"below {tmp_path / 'ws'}" in text
     assert len(result.output) < 3000
 
@@ -75,7 +78,7 @@ def test_ros_2_names_its_packages_as_well(tmp_path, monkeypatch):
 
 def test_nothing_is_asked_before_they_are_missed(tmp_path):
     file = with_meshes(tmp_path, "gone.stl")
-    result = yarc("robot", "new", file, "-o", tmp_path / "r")  # without --yes, which would ask
+    result = yarc("robot", "new", file, "-o", tmp_path / "r")  # without --yes, questions would be asked
     assert result.exit_code == 1
     assert "Y1357" in result.output
     assert "--acceleration" not in result.output
@@ -117,7 +120,7 @@ def test_many_drawn_meshes_that_miss_are_one_note(tmp_path):
     result = new(file)
     assert result.exit_code == 0, result.output
     assert "5 visual meshes: gone0.dae, gone1.dae, gone2.dae and 2 more aren't there" in result.output
-    assert result.output.count("--package-path or --meshes says where to look") == 1
+    assert result.output.count("give the folder with --package-path or --meshes") == 1
 
 
 def test_the_robot_without_them_says_so(tmp_path):

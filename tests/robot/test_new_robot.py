@@ -1,4 +1,6 @@
-"""`yarc robot new`: which chain, which values, which marks, which files."""
+"""Tests of `yarc robot new`: the chosen chain, the values, the marks for values to check, and the written
+files.
+"""
 
 from __future__ import annotations
 
@@ -34,12 +36,12 @@ TRIANGLE = "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0
 
 
 def solid(name: str) -> str:
-    """An STL of one triangle."""
+    """Return an STL with one triangle."""
     return f"solid {name}\n{TRIANGLE}endsolid {name}\n"
 
 
 def tree(*joints: str, extra: str = "") -> str:
-    """A URDF of joints `parent>child:type[:more]`; links are made as they are named."""
+    """Return a URDF of joints `parent>child:type[:more]`. Links are created where they are named."""
     links: list[str] = []
     lines: list[str] = []
     for number, joint in enumerate(joints, 1):
@@ -123,7 +125,7 @@ def test_base_and_tip_may_be_said():
     [
         ({"base": "nope"}, "Y1347", "nope"),
         ({"tip": "bb"}, "Y1347", "bb"),
-        ({"base": "c", "tip": "a"}, "Y1353", "Exchange"),
+        ({"base": "c", "tip": "a"}, "Y1353", "Swap"),
         ({"base": "a", "tip": "a"}, "Y1353", "no chain"),
     ],
 )
@@ -218,7 +220,7 @@ def test_collision_meshes_come_along_and_those_that_miss_are_told(tmp_path):
     assert "the visual mesh no.dae isn't there" in result.output
     assert "Y1366" in result.output
     assert "1 collision mesh left out: gone.stl of quill" in result.output
-    assert "Y1359" in result.output  # the quill has no collision shape now
+    assert "Y1359" in result.output  # the quill has no collision shape left
     assert "Y1359" in yarc("robot", "check", tmp_path / "r").output
     program = tmp_path / "a.yarc"
     program.write_text(f'ROBOT "{tmp_path / "r"}"\nP0010 DMOVEJ 1 1 1 1 [5] (deg,mm,s)\n')
@@ -231,7 +233,7 @@ def test_collision_meshes_come_along_and_those_that_miss_are_told(tmp_path):
 
 
 def with_visuals(folder: Path, *names: str) -> Path:
-    """A URDF in a folder, whose first link looks like these meshes."""
+    """Write a URDF to a folder. Its first link has the given meshes as its visual shapes."""
     folder.mkdir(parents=True, exist_ok=True)
     bodies = "".join(f'<visual><geometry><mesh filename="{one}"/></geometry></visual>' for one in names)
     text = SCARA.read_text().replace('<link name="base_link"/>', f'<link name="base_link">{bodies}</link>')
@@ -240,7 +242,9 @@ def with_visuals(folder: Path, *names: str) -> Path:
 
 
 def test_what_the_links_look_like_comes_along(tmp_path):
-    """In a folder of its own, and the copy is drawn without what it was made of."""
+    """Visual meshes are copied to a folder of their own, so the robot can be drawn without the original
+    files.
+    """
     urdf = with_visuals(tmp_path / "pack", "a/cover.stl", "b/cover.stl", "a/cover.stl")
     for name in "ab":
         (tmp_path / "pack" / name).mkdir()
@@ -257,7 +261,9 @@ def test_what_the_links_look_like_comes_along(tmp_path):
 
 
 def test_a_visual_mesh_that_cant_be_copied_stops_nothing(tmp_path):
-    """Files of others, no meshes, pipes and huge ones are left out, each with the reason."""
+    """Visual meshes that are files of other users, no meshes, pipes or huge are left out, each with
+    a reason.
+    """
     names = ("/etc/passwd", "../../../../../../etc/passwd", "text.stl", "pipe.stl", "huge.stl", "gone.dae")
     urdf = with_visuals(tmp_path / "pack", *names)
     (tmp_path / "pack" / "text.stl").write_text("root:x:0:0:root:/root:/bin/bash")
@@ -269,7 +275,7 @@ def test_a_visual_mesh_that_cant_be_copied_stops_nothing(tmp_path):
     assert not (tmp_path / "r" / "meshes").exists()
     for what in (
         "/etc/passwd is outside the URDF's package",
-        "text.stl ends in .stl, but its content is something else",
+        "text.stl ends in .stl, but its content has another format",
         "pipe.stl i",
         "huge.stl has more than 20,000,000 bytes",
         "gone.dae isn't there",
@@ -278,7 +284,7 @@ def test_a_visual_mesh_that_cant_be_copied_stops_nothing(tmp_path):
 
 
 def with_mesh(folder: Path, *names: str) -> Path:
-    """A URDF in a folder, with collision meshes of these names."""
+    """Write a URDF with collision meshes of these names to a folder."""
     folder.mkdir(parents=True, exist_ok=True)
     shapes = iter(MESH.format(name) for name in names)
     text = re.sub(r"<collision>.*?</collision>", lambda old: next(shapes, old[0]), SCARA.read_text())
@@ -287,7 +293,7 @@ def with_mesh(folder: Path, *names: str) -> Path:
 
 
 def refused(urdf: Path, code: str, *words: str, options: tuple[str, ...] = ()) -> str:
-    """`yarc robot new` writes nothing, and says why at the mesh; what it says."""
+    """Check that `yarc robot new` writes nothing and reports an error at the mesh. Return its output."""
     out = urdf.parent / "made"
     result = yarc("robot", "new", urdf, "--yes", "-o", out, *options)
     assert result.exit_code == 1, result.output
@@ -309,7 +315,7 @@ def line_of(urdf: Path) -> int:
 )
 @pytest.mark.parametrize("options", [(), ("--meshes", "/etc"), ("--meshes", "/")])
 def test_a_file_that_is_no_mesh_is_not_copied(name, options, tmp_path):
-    """/etc/passwd, named as a mesh, was copied into the robot's folder."""
+    """A file that isn't a mesh, such as /etc/passwd, isn't copied into the robot's folder."""
     urdf = with_mesh(tmp_path / "a", name)
     refused(urdf, "Y1363" if options else "Y1364", "The mesh ", "etc/passwd ", options=options)
 
@@ -318,11 +324,11 @@ def test_a_file_that_is_no_mesh_is_not_copied(name, options, tmp_path):
 def test_another_files_content_by_a_meshs_name_is_not_copied(kind, tmp_path):
     urdf = with_mesh(tmp_path, f"part{kind}")
     (tmp_path / f"part{kind}").write_text("root:x:0:0:root:/root:/bin/bash\n")
-    refused(urdf, "Y1363", f"The mesh part{kind} ends in {kind}, but its content is something else.")
+    refused(urdf, "Y1363", f"The mesh part{kind} ends in {kind}, but its content has another format.")
     (tmp_path / f"part{kind}").unlink()
     (tmp_path / f"part{kind}").symlink_to("/etc/passwd")
     refused(urdf, "Y1364", "is outside the URDF's package and isn't copied", "--meshes /etc")
-    refused(urdf, "Y1363", "its content is something else", options=("--meshes", "/etc"))
+    refused(urdf, "Y1363", "its content has another format", options=("--meshes", "/etc"))
 
 
 def test_a_mesh_elsewhere_is_copied_only_if_its_folder_is_named(tmp_path):
@@ -363,7 +369,7 @@ def test_the_meshes_of_a_package_come_along(urdf, package, mesh, name, tmp_path)
 
 
 def test_a_package_whose_files_are_all_links_is_its_own(tmp_path):
-    """As `colcon build --symlink-install` makes it."""
+    """The package may consist of links only, as after `colcon build --symlink-install`."""
     source, installed = tmp_path / "src" / "arm", tmp_path / "install" / "share" / "arm"
     with_mesh(source / "urdf", "package://arm/meshes/part.stl")
     (source / "meshes").mkdir()
@@ -400,7 +406,7 @@ def test_what_is_no_ordinary_file_keeps_nobody_waiting(kind, tmp_path):
         case "folder":
             path.mkdir()
     options = ("--meshes", "/dev") if kind == "device" else ()
-    refused(urdf, "Y1363", "The mesh part.stl is no ordinary file.", options=options)
+    refused(urdf, "Y1363", "The mesh part.stl isn't a regular file.", options=options)
 
 
 def test_a_mesh_that_is_too_large_is_not_read(tmp_path):
@@ -513,7 +519,7 @@ def test_it_asks_on_a_terminal(tmp_path):
     command = [str(Path(sys.executable).with_name("yarc")), "robot", "new", str(SCARA), "-o", "r"]
     running = subprocess.Popen(command, cwd=tmp_path, stdin=theirs, stdout=theirs, stderr=theirs)
     os.close(theirs)
-    # the name, accelerations (first a wrong number of them), jerks, counts, the tool, HOME
+    # The answers: name, accelerations (first with a wrong number of values), jerks, counts, tool, HOME.
     os.write(ours, b"PICKER\n1,2\n900\n\n5000\n0,0,60\n\n")
     shown = b""
     until = time.monotonic() + 20

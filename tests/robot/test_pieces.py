@@ -1,4 +1,4 @@
-"""Meshes of links, tools and obstacles in convex pieces: what the files say, and what becomes of it."""
+"""Tests of meshes of links, tools and obstacles in convex pieces: their entries in files, and their use."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -32,7 +32,7 @@ def with_clamp(tmp_path, text):
 
 
 def with_mesh_of_a_link(tmp_path, pieces):
-    """Return the folder of a robot whose link_3 is a clamp."""
+    """Return the folder of a robot whose link_3 has the shape of a clamp."""
     folder = with_clamp(tmp_path, f"[collision]\npieces = {pieces}" if pieces else "")
     (urdf,) = Path(folder).glob("*.urdf")
     text = urdf.read_text()
@@ -84,7 +84,7 @@ def test_a_link_in_pieces(tmp_path):
         (TOOL + "pieces = 2.5\n", "Y1306", "pieces"),
         (TOOL.replace('"mesh"\nfile = "clamp.stl"', '"sphere"\nradius = 3\npieces = 3'), "Y1305", "pieces"),
         ("[collision]\npieces = { link_9 = 3 }", "Y1347", "link_9"),
-        ("[collision]\npieces = { link_1 = 3 }", "Y1308", "has no mesh"),
+        ("[collision]\npieces = { link_1 = 3 }", "Y1308", "has no collision mesh"),
         ("[collision]\npieces = { link_1 = 0 }", "Y1308", "link_1"),
         ("[collision]\npieces = 3", "Y1306", "pieces"),
     ],
@@ -143,7 +143,7 @@ def test_an_open_mesh_is_refused_with_its_name(tmp_path, monkeypatch, pieces, tr
 
 
 def test_pieces_that_lack_something_are_refused_by_the_judge(tmp_path, monkeypatch):
-    """A division with an error writes nothing: the judge cuts the mesh again."""
+    """The judge cuts meshes itself. If the planner's pieces are wrong, nothing is written."""
     from yarclang.collision import pieces as of_meshes
     from yarclang.collision.scene import geometries
 

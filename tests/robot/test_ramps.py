@@ -1,5 +1,5 @@
-"""[ramps]: one rule for the accelerations and jerks of all joints; planner and judge read it each by
-itself.
+"""Tests of [ramps], one rule for the accelerations and jerks of all joints. Planner and judge each read it
+independently.
 """
 
 import re

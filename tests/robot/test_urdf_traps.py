@@ -1,5 +1,5 @@
-"""A URDF with a trap comes out as its robot, or says why not: joints, solutions and paths by Pinocchio on
-the original text.
+"""Tests with URDFs that contain a trap. The robot is right, or the refusal gives the reason. Pinocchio, which
+reads the original text, checks joints, solutions and paths.
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ SIX = tuple(f"joint_{number}" for number in range(1, 7))
 
 
 def judged(text, robot_, base="base_link", flange="tool0", names=SIX):
-    """Joints, forward kinematics and solutions of a robot against Pinocchio on the text; a line is planned
-    and proved.
+    """Compare joints, forward kinematics and solutions of a robot with Pinocchio's for the URDF. Then plan
+    and prove a line.
     """
     assert robot_.size == len(names)
     q = within(robot_.chain, robot_.limits, 200)
@@ -87,11 +87,11 @@ def test_followers_and_vehicles_are_said(tmp_path):
     result = yarc("robot", "new", written(tmp_path, text), "--yes", "-o", tmp_path / "r")
     assert "follow another by <mimic>" in result.output
     assert "rod_joint, weight_joint" in result.output
-    assert "planar and floating joints of a vehicle count as fixed: foot" in result.output
+    assert "planar and floating joints of a vehicle are treated as fixed: foot" in result.output
 
 
 def test_a_chain_that_is_coupled_is_refused(tmp_path):
-    """A palletizer: the wrist keeps level by following joint 3."""
+    """A palletizer whose wrist stays level, because it follows joint 3."""
     text = robot(
         link("base_link"),
         *(link(f"link_{number}") for number in range(1, 6)),
@@ -237,7 +237,7 @@ def test_xacro_and_packages_by_their_package_xml(tmp_path):
 
 
 def test_arguments_of_xacro(tmp_path):
-    """Makers' files want the type and a prefix."""
+    """Files of manufacturers need arguments, such as the type and a prefix."""
     text = robot(arm("left_"))
     asked = text.replace(">", f'{XMLNS}><xacro:arg name="prefix" default="wrong_"/>', 1).replace(
         "left_", "$(arg prefix)"
@@ -266,7 +266,9 @@ def test_wrong_arguments_of_xacro(name, given, words, tmp_path):
 
 
 def test_nothing_is_run_of_the_folder_of_a_xacro_file(tmp_path, monkeypatch):
-    """A maker's archive is unpacked and its file named from within."""
+    """No Python file in the folder of the xacro file is executed, since the folder may come from an unpacked
+    archive.
+    """
     file = written(tmp_path, robot(arm()).replace(">", f"{XMLNS}>", 1), "arm.xacro")
     for name in ("xacro.py", "resource.py"):
         (tmp_path / name).write_text("open('run', 'w')\n")
@@ -283,7 +285,7 @@ def test_a_macro_that_calls_itself_ends(tmp_path):
 
 
 def cube() -> bytes:
-    """A tetrahedron as a binary STL."""
+    """Return a tetrahedron as a binary STL."""
     corners = [(0, 0, 0), (0.02, 0, 0), (0, 0.02, 0), (0, 0, 0.02)]
     faces = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
     rows = (struct.pack("<12fH", 0, 0, 0, *(x for at in face for x in corners[at]), 0) for face in faces)
@@ -318,19 +320,21 @@ def test_other_formats_are_named(text, words, tmp_path):
     result = yarc("robot", "new", written(tmp_path, text), "--yes", "-o", tmp_path / "r")
     assert result.exit_code == 1
     assert words in result.output
-    assert "maker's URDF" in result.output
+    assert "manufacturer's URDF" in result.output
 
 
 @pytest.mark.parametrize(
     ("tcp", "words"),
     [
-        ("0,0,100", "z of TCP leads out along the tool, into the work; PICKPLACE and PALLET want it back; for these"),  # noqa: E501
-        ("0,0,100,180,0,0", "z of TCP leads back along the tool, away from the work, as PICKPLACE and PALLET take it"),  # noqa: E501
-        ("0,0,100,90,0,0", "z of TCP leads neither out nor back along the tool"),
+        ("0,0,100", "z of TCP points out along the tool, into the work; PICKPLACE and PALLET need it to point back; for these"),  # noqa: E501
+        ("0,0,100,180,0,0", "z of TCP points back along the tool, away from the work, as PICKPLACE and PALLET need it"),  # noqa: E501
+        ("0,0,100,90,0,0", "z of TCP points neither out nor back along the tool"),
     ],
 )  # fmt: skip
 def test_the_way_of_the_tools_z_is_said(tcp, words, tmp_path):
-    """By Pinocchio, the tip is 100 mm along z of tool0: out along the tool if TCP isn't turned."""
+    """By Pinocchio, the tip is 100 mm along z of tool0. Unless TCP is turned, this z points out along the
+    tool.
+    """
     file = written(tmp_path, robot(arm()))
     result = yarc("robot", "new", file, "--yes", "--tcp", tcp, "-o", tmp_path / "r")
     assert result.exit_code == 0, result.output
@@ -415,11 +419,11 @@ def test_a_hundred_megabytes_are_refused_quickly(tmp_path):
 
 
 K, B = -0.75, 0.1
-"""Of the joint `level`: q = K q' + B [rad]."""
+"""Coupling of the joint `level`: q = K q' + B [rad]."""
 
 
 def palletizer(more: str) -> str:
-    """Five joints, of which `level` follows joint_3, if `more` says so."""
+    """Return an arm of five joints, in which `level` follows joint_3 if `more` says so."""
     return robot(
         link("base_link"),
         *(link(f"link_{number}") for number in range(1, 6)),
@@ -432,8 +436,8 @@ def palletizer(more: str) -> str:
 
 
 def test_a_coupled_chain_is_written_in_J_as_the_message_says(tmp_path):
-    """The numbers of the message, put into robot.toml, make the arm that Pinocchio makes of the URDF with
-    its <mimic>.
+    """With the numbers of the message in robot.toml, the arm equals the one that Pinocchio makes of the URDF
+    with <mimic>.
     """
     coupled = palletizer(f'<mimic joint="joint_3" multiplier="{K}" offset="{B}"/>')
     result = yarc("robot", "new", written(tmp_path, coupled), "--yes", "-o", tmp_path / "r")
@@ -445,7 +449,7 @@ def test_a_coupled_chain_is_written_in_J_as_the_message_says(tmp_path):
     )
     factor, offset = (float(value) for value in row.groups())
 
-    # the motor axes that can be coupled are X Y Z
+    # Only the motor axes X, Y and Z can be coupled.
     made(written(tmp_path, palletizer("")), tmp_path / "r", "--counts", "1000")
     toml = tmp_path / "r" / "robot.toml"
     text = toml.read_text()
@@ -462,7 +466,7 @@ def test_a_coupled_chain_is_written_in_J_as_the_message_says(tmp_path):
     loaded = load_robot(str(tmp_path / "r"))
     assert loaded.value is not None, loaded.diagnostics
 
-    # where the motor of `level` stands at 0 counts, and the others anywhere
+    # The motor of `level` is at 0 counts, the other motors are anywhere.
     counts = np.random.default_rng(0).uniform(-5e4, 5e4, (200, 5))
     counts[:, 3] = 0.0
     q = from_counts(loaded.value, counts)
@@ -500,4 +504,4 @@ def test_a_mimic_that_is_none_is_named(mimic, tmp_path, capfd):
     assert result.exit_code == 1
     assert re.search(r"Y134[25]", result.output)
     assert "mimic" in result.output
-    assert capfd.readouterr() == ("", "")  # Pinocchio prints at the third
+    assert capfd.readouterr() == ("", "")  # Pinocchio would print something

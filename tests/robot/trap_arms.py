@@ -1,5 +1,5 @@
-"""URDFs as they are in the world, each with a trap, with the lengths of large arms and cobots; and their
-poses by Pinocchio on that very text.
+"""URDFs with traps, as they occur in practice, with the lengths of large arms and cobots. Their poses are
+computed by Pinocchio from the same text.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 Z, Y, X = (0, 0, 1), (0, 1, 0), (1, 0, 0)
-LARGE = (  # about as an arm of 180 kg and 2.55 m: 780, 320, 1075, 200, 1142.5, 200 mm
+LARGE = (  # similar to an arm for 180 kg with a reach of 2.55 m: 780, 320, 1075, 200, 1142.5, 200 mm
     ("joint_1", "base_link", "link_1", (0, 0, 0.78), Z),
     ("joint_2", "link_1", "link_2", (0.32, 0, 0), Y),
     ("joint_3", "link_2", "link_3", (0, 0, 1.075), Y),
@@ -35,7 +35,9 @@ def joint(name, parent, child, xyz=(0, 0, 0), axis=Z, kind="revolute", more="", 
 
 
 def arm(prefix: str = "", effort: float = 500, base: tuple[str, str] = ("", "")) -> str:
-    """Six joints, flange and tool0 by REP 199; no link of the root if it has a joint."""
+    """Return the URDF of six joints, flange and tool0 by REP 199. With `base`, a joint leads from the link
+    base[0], which isn't declared here, to base_link.
+    """
 
     def at(name):
         return f"{prefix}{name}"
@@ -77,7 +79,7 @@ HAND += link("right") + joint(
 
 
 def poses(text: str, base: str, flange: str, names, q) -> np.ndarray:
-    """base_from_flange (N, 4, 4) by Pinocchio on the original text, mimicking joints as they are there."""
+    """Return base_from_flange (N, 4, 4) by Pinocchio, for the original URDF with its <mimic> joints."""
     model = pin.buildModelFromXML(text)
     state = model.createData()
     ends = [model.getFrameId(end, pin.FrameType.BODY) for end in (base, flange)]
@@ -86,7 +88,8 @@ def poses(text: str, base: str, flange: str, names, q) -> np.ndarray:
         full = pin.neutral(model)
         for name, value in zip(names, values, strict=True):
             moved = model.joints[model.getJointId(name)]
-            turn = (np.cos(value), np.sin(value))  # an endless joint has no angle there
+            # for a joint without limits, Pinocchio uses cosine and sine
+            turn = (np.cos(value), np.sin(value))
             full[moved.idx_q : moved.idx_q + moved.nq] = turn if moved.nq == 2 else value
         pin.framesForwardKinematics(model, state, full)
         found[row] = (state.oMf[ends[0]].inverse() * state.oMf[ends[1]]).homogeneous

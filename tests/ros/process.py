@@ -1,4 +1,4 @@
-"""`yarc ros` and `yarc serve` as processes of their own."""
+"""`yarc ros` and `yarc serve` in processes of their own."""
 
 import os
 import re
@@ -12,7 +12,7 @@ SCRIPT = "from yarclang.cli.yarc import main; main()"
 
 
 class Told:
-    """What a process has printed, read as it comes: nobody keeps it from printing."""
+    """The output of a process, read continuously, so that the process never waits to print."""
 
     def __init__(self, process):
         self.process, self.lines = process, []
@@ -30,7 +30,7 @@ class Told:
             self._arrived.notify_all()
 
     def until(self, pattern, within=60.0):
-        """Return the match of the first line that has a pattern."""
+        """Return the match of the first line that matches a pattern."""
 
         def found():
             matches = (re.search(pattern, line) for line in self.lines)
@@ -42,7 +42,7 @@ class Told:
         return match
 
     def end(self):
-        """End the process as a person does; return its exit status."""
+        """End the process by SIGTERM, and return its exit status."""
         self.process.send_signal(signal.SIGTERM)
         try:
             return self.process.wait(60)
@@ -55,8 +55,9 @@ class Told:
 
 @contextmanager
 def yarc(*arguments, folder):
-    """Run a command of yarc as long as the context lasts; robots are found only by others of the same
-    folder.
+    """Run a command of yarc as long as the context lasts.
+
+    Only commands in the same folder find its robot.
     """
     process = subprocess.Popen(
         [sys.executable, "-u", "-c", SCRIPT, *arguments],
@@ -75,6 +76,6 @@ def yarc(*arguments, folder):
 
 
 def ports_of(told):
-    """Return the ports of a `yarc ros` that listens."""
+    """Return the ports of a listening `yarc ros`."""
     found = told.until(r"motion link on port (\d+), state link on port (\d+)")
     return int(found[1]), int(found[2])

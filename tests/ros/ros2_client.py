@@ -1,4 +1,4 @@
-"""A client of the ROS 2 node, for a Python that has rclpy: prints one JSON object a case."""
+"""A client of the ROS 2 node, for a Python that has rclpy; it prints a JSON object for each case."""
 
 import contextlib
 import json
@@ -40,7 +40,9 @@ class Client:
         self.action = ActionClient(node, FollowJointTrajectory, ACTION)
 
     def begin(self, case, names, positions, seconds):
-        """Send a goal; return what is known of it, with its handle."""
+        """Send a goal; return what is known of it as a dict, its handle, its pending result, and its
+        feedback.
+        """
         goal = FollowJointTrajectory.Goal()
         goal.trajectory.joint_names = list(names)
         point = JointTrajectoryPoint(positions=positions)
@@ -52,7 +54,7 @@ class Client:
         return {"case": case, "accepted": handle.accepted}, handle, result, feedback
 
     def end(self, told, _handle, result, feedback):
-        """Wait for a goal's end, and print it."""
+        """Wait for the end of a goal, and print its result."""
         if result is not None:
             found = answer(result)
             told.update(status=found.status, code=found.result.error_code, text=found.result.error_string)

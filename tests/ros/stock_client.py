@@ -1,9 +1,8 @@
-"""A double of ROS-Industrial's stock client nodes, as they behave: streamer, downloader, state node and
-joint_trajectory_action in one.
+"""A double of ROS-Industrial's stock client nodes: streamer, downloader, state node and action in one.
 
-It does what was seen of the unmodified C++ nodes (industrial_core 0.7.3), their faults included: it ignores
-FAILURE, holds its lock while it waits for an answer, never marks the end of a streamed goal, derives the
-first duration from the goal before, and knows of an end by in_motion and positions alone.
+It behaves as observed in the unmodified C++ nodes (industrial_core 0.7.3), including their faults. It ignores
+FAILURE, holds its lock while it waits for an answer, and never marks the end of a streamed goal. It derives
+the first duration from the goal before, and detects an end only by in_motion and positions.
 """
 
 import asyncio
@@ -24,7 +23,7 @@ from yarclang.ros.simple_message import (
 )
 
 NEAR = 0.01
-"""constraints/goal_threshold [rad]."""
+"""The nodes' parameter constraints/goal_threshold [rad]."""
 WATCHDOG = 1.0
 BETWEEN = 0.007
 """Time between an answer and the next point [s]."""
@@ -32,7 +31,7 @@ BETWEEN = 0.007
 
 @dataclass
 class GoalState:
-    """A goal of the action; `state` is one of PENDING, ACTIVE, SUCCEEDED, PREEMPTED, ABORTED, REJECTED."""
+    """A goal of the action; `state` is PENDING, ACTIVE, SUCCEEDED, PREEMPTED, ABORTED or REJECTED."""
 
     joints: tuple
     seconds: float
@@ -44,23 +43,23 @@ class GoalState:
 
 @dataclass
 class Robot:
-    """What the state link has told."""
+    """The robot's state, as the state link reported it."""
 
     joints: tuple = ()
     status: RobotStatus | None = None
     times: list = field(default_factory=list)
-    """When positions came [s]."""
+    """Times at which positions arrived [s]."""
     statuses: list = field(default_factory=list)
-    """All statuses with their times that differ from the one before."""
+    """Each status that differs from the one before, with its time."""
 
 
 class StockClient:
-    """One client at both ports of a host.
+    """A client that is connected to both ports of a host.
 
     Args:
-        ports: of the motion and the state link.
-        order: of the bytes.
-        retry: after so long the state node tries again [s].
+        ports: the ports of the motion link and of the state link.
+        order: the byte order.
+        retry: time after which the state node connects again [s].
     """
 
     def __init__(self, ports, *, order=ByteOrder.LITTLE, host="127.0.0.1", retry=5.0):
@@ -96,14 +95,15 @@ class StockClient:
         self._wire = reader, writer, Decoder(self._order)
 
     def cut(self):
-        """Lose the motion connection."""
+        """Break the motion connection."""
         if self._wire is not None:
             self._wire[1].transport.abort()
             self._wire = None
 
     async def ask(self, body):
-        """Send a request and wait for its answer, without a time limit; connect again and send it again if
-        the connection is lost.
+        """Send a request, and wait for its answer without a time limit.
+
+        If the connection is lost, connect again, and send the request again.
         """
         async with self._lock:
             while True:
@@ -125,7 +125,7 @@ class StockClient:
                     await asyncio.sleep(0.01)
 
     def points(self, positions, times, velocity=0.1):
-        """Return the points of a trajectory as the streamer makes them."""
+        """Return the points of a trajectory in the streamer's form."""
         made, before = [], None
         for place, (joints, time) in enumerate(zip(positions, times, strict=True)):
             if before is None:
@@ -145,7 +145,7 @@ class StockClient:
             await asyncio.sleep(between)
 
     async def download(self, positions, times):
-        """Download a trajectory: topics, nothing is answered."""
+        """Download a trajectory: its messages are topics, which aren't answered."""
         points = self.points(positions, times)
         for place, point in enumerate(points):
             sequence = -3 if place == len(points) - 1 else -1 if place == 0 else place
@@ -189,7 +189,7 @@ class StockClient:
     # the action
 
     async def send_goal(self, positions, times):
-        """Send a goal to the action; one that runs is aborted first."""
+        """Send a goal to the action, which first aborts a running one."""
         if not self.robot.times or self.now() - self.robot.times[-1] > WATCHDOG:
             self.goal = GoalState((), 0.0, "REJECTED")
             return self.goal
@@ -203,7 +203,7 @@ class StockClient:
         return self.goal
 
     async def cancel(self):
-        """Cancel the goal: PREEMPTED at once, before the arm has stopped."""
+        """Cancel the goal; its state is PREEMPTED at once, before the arm has stopped."""
         self._end("PREEMPTED")
         if self._streaming is not None and not self._streaming.done():
             self._streaming.cancel()
@@ -233,7 +233,7 @@ class StockClient:
             self.goal.state, self.goal.ended = state, self.now()
 
     async def until(self, condition, within):
-        """Wait until something is so."""
+        """Wait until a condition holds."""
         since = self.now()
         while not condition():
             assert self.now() - since < within, "it never came"

@@ -1,4 +1,4 @@
-"""The rules of FollowJointTrajectory as a state machine: by examples, and for any order of what happens."""
+"""The rules of FollowJointTrajectory as a state machine, with examples and with random events."""
 
 import math
 
@@ -50,7 +50,7 @@ def of(kind, actions):
 
 
 class Told:
-    """An action, and what it has wanted so far."""
+    """An action, and the actions that it has requested so far."""
 
     def __init__(self, **more):
         self.action = TrajectoryAction(JOINTS, **more)
@@ -307,7 +307,7 @@ def test_who_leaves_holds_what_moves():
     assert told.ends == [("g", ABORTED, INVALID_GOAL)]
 
 
-# for any order of what happens
+# random events in any order
 
 EVENTS = st.lists(
     st.one_of(
@@ -330,14 +330,14 @@ EVENTS = st.lists(
 
 
 class Played:
-    """An action to which anything happens, in any order, also what can't."""
+    """An action with random events in any order, including impossible ones."""
 
     def __init__(self, hold_on_cancel):
         self.action = TrajectoryAction(JOINTS, hold_on_cancel)
         self.now = 0.0
         self.accepted, self.ended, self.moved, self.stopped = [], [], [], 0
         self.cancelled = False
-        """Everything was cancelled, and nobody has asked for anything since."""
+        """True if everything was cancelled, and no goal was sent since."""
 
     def happens(self, event):
         kind, *more = event

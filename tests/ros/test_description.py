@@ -1,6 +1,4 @@
-"""The robot's description for launch files: as the server tells it, or in bounded time a word of what to
-do.
-"""
+"""The robot's description for launch files, from the server, or an error with a remedy in bounded time."""
 
 import contextlib
 import json
@@ -23,7 +21,7 @@ WELCOME = {"ok": True, "version": 1}
 
 @contextlib.contextmanager
 def serving(folder, *answers):
-    """A process that owns a robot, as far as its answers: objects, or bytes."""
+    """Start a fake server of a robot that gives these answers, which are objects or bytes."""
     folder.mkdir(exist_ok=True)
     path = folder / "arm-1.sock"
     listening = socket.socket(socket.AF_UNIX)
@@ -67,8 +65,8 @@ def test_the_model_is_what_the_server_tells(tmp_path):
     ("answer", "said"),
     [
         ({"ok": False, "error": "there is no order model", "help": "update it"}, "no order model. update it"),
-        (b"not json", "isn't understood"),
-        (b"[]", "isn't understood"),
+        (b"not json", "isn't understood: is it another version of yarc"),
+        (b"[]", "isn't understood: is it another version of yarc"),
     ],
 )
 def test_a_server_that_refuses_or_is_another_one_is_told(tmp_path, answer, said):

@@ -1,4 +1,4 @@
-"""The driver of the ROS nodes beside a real `yarc serve` with its simulator."""
+"""The driver of the ROS nodes with a real `yarc serve` and its simulator."""
 
 import contextlib
 import math
@@ -26,11 +26,11 @@ from yarclang.ros.node.driver import Driver
 from yarclang.ros.node.trajectory import Goal, Point, Tolerance
 
 LONG = 60.0
-"""What is waited for comes within seconds; a computer with much to do may need more [s]."""
+"""Longest time to wait for an event, which usually comes within seconds [s]."""
 
 
 class Shell:
-    """A ROS side that remembers."""
+    """A ROS side that records its calls."""
 
     def __init__(self):
         self.calls, self.endings, self.feedbacks, self.says, self.statuses = [], {}, {}, [], []
@@ -81,13 +81,13 @@ class Shell:
             assert self.news.wait_for(true, within), (self.calls, self.endings, self.says, self.statuses[-3:])
 
     def end(self, goal_id):
-        """Return how a goal has ended: outcome, code, text."""
+        """Return the end of a goal: outcome, code, text."""
         self.until(lambda: goal_id in self.endings)
         outcome, result = self.endings[goal_id]
         return outcome, result.error_code, result.error_string
 
     def moving(self, goal_id, share=0.02):
-        """Wait until a goal is under way."""
+        """Wait until a goal is moving the robot."""
         self.until(lambda: any(one.desired.time > share for one in self.feedbacks.get(goal_id, ())))
 
     @property
@@ -125,7 +125,7 @@ def folder():
 
 @pytest.fixture(scope="module")
 def path(folder):
-    """Of the socket of a robot that many tests move one after the other."""
+    """Return the path of the socket of a robot that many tests share."""
     with served(folder) as told:
         yield told.path
 
@@ -137,7 +137,7 @@ def node(path):
 
 
 def away(shell, by=0.3):
-    """A place for all joints that is so far away; towards zero, so that limits stay far."""
+    """Return joint positions that differ from the present ones by `by`, towards zero and away from limits."""
     return tuple(q - math.copysign(by, q) for q in shell.positions)
 
 
@@ -151,14 +151,14 @@ def owner_of(path):
 
 
 def nobody_owns(path):
-    """Wait until the robot is nobody's."""
+    """Wait until nobody owns the robot."""
     until = time.monotonic() + LONG
     while owner_of(path) is not None:
         assert time.monotonic() < until
         time.sleep(0.05)
 
 
-# goals that end well
+# goals that succeed
 
 
 def test_a_goal_in_another_order_of_its_joints_ends_at_its_last_point(node, path):
@@ -218,7 +218,7 @@ def test_velocities_and_accelerations_are_kept(node):
 def test_a_robot_that_stands_there_already_succeeds_at_once(node):
     driver, shell = node
     driver.goal("g", goal_to(driver, shell.positions))
-    assert shell.end("g") == ("succeeded", SUCCESSFUL, "the robot stood there already")
+    assert shell.end("g") == ("succeeded", SUCCESSFUL, "the robot was there already")
 
 
 def test_a_goal_with_a_stamp_begins_then(node):
@@ -240,7 +240,8 @@ def test_a_joint_that_slides_goes_to_its_place():
         with served(folder, str(folder / "arm")) as told, driven(told.path) as (driver, shell):
             assert [one["unit"] for one in _status(told.path)["joints"]] == ["deg", "mm"]
             assert shell.positions == (0.0, 0.0)
-            tolerances = tuple(Tolerance(one, 0.001) for one in driver.joint_names)
+            # far less than an error of units, and more than a busy computer is behind
+            tolerances = tuple(Tolerance(one, 0.01) for one in driver.joint_names)
             driver.goal("g", goal_to(driver, (0.2, 0.05), path_tolerance=tolerances))
             assert shell.end("g") == ("succeeded", SUCCESSFUL, "")
             assert shell.positions == pytest.approx((0.2, 0.05), abs=1e-4)
@@ -254,7 +255,7 @@ def _status(path):
 
 
 def test_goals_that_come_as_the_one_before_ends_are_carried_out(path):
-    """The robot is being released just then."""
+    """Each goal is sent when the one before it ends, while the robot is being released."""
 
     class Eager(Shell):
         def ended(self, goal_id, outcome, result):
@@ -268,7 +269,7 @@ def test_goals_that_come_as_the_one_before_ends_are_carried_out(path):
             assert shell.end(str(number)) == ("succeeded", SUCCESSFUL, "")
 
 
-# goals that don't
+# goals that fail
 
 
 def test_a_goal_that_makes_no_sense_is_rejected_at_once(node):
@@ -328,7 +329,7 @@ def test_a_goal_while_somebody_else_owns_the_robot_is_aborted(node, path):
 
 def test_a_joint_that_leaves_its_path_holds_the_robot(node):
     driver, shell = node
-    # nobody is so exact: the path of the timetable itself is kept to 0.1 mrad
+    # no robot is that exact: the text follows the timetable's path within 0.1 mrad
     tolerances = tuple(Tolerance(name, 1e-9) for name in driver.joint_names)
     driver.goal("g", goal_to(driver, away(shell), path_tolerance=tolerances))
     outcome, number, why = shell.end("g")
@@ -345,7 +346,7 @@ def test_joints_that_are_not_at_the_last_point_abort_the_goal(node):
     assert shell.end("g")[:2] == ("aborted", GOAL_TOLERANCE_VIOLATED)
 
 
-# what comes between
+# events during a goal
 
 
 def test_a_new_goal_preempts_the_one_that_moves(node):
@@ -389,7 +390,7 @@ def test_a_goal_that_is_cancelled_while_it_is_planned_never_moves(node):
     time.sleep(0.1)
     driver.cancel(None)
     assert shell.end("g")[0] == "canceled"
-    driver.goal("there", goal_to(driver, before))  # is planned after it
+    driver.goal("there", goal_to(driver, before))  # this goal is planned after the cancelled one
     assert shell.end("there")[0] == "succeeded"
     assert shell.feedbacks == {}
     assert shell.positions == before
@@ -486,7 +487,7 @@ def test_a_stop_from_elsewhere_is_for_a_goal_that_is_planned_as_well(node, path)
     assert shell.end("then")[0] == "succeeded"
 
 
-# what fails
+# errors
 
 
 def test_nobody_there_is_told(folder):

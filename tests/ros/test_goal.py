@@ -1,4 +1,4 @@
-"""Goals as programs: which way-points count, when they are reached, and that the text means them."""
+"""Goals as programs: the waypoints that count, their times, and the meaning of the text."""
 
 import numpy as np
 import pytest
@@ -70,7 +70,7 @@ def test_a_limit_in_single_precision_is_the_limit():
     assert (found <= LIMITS.upper).all()
     beyond = limit + 1e-3
     (found,), _ = timetable(ROBOT, goal([beyond], [1.0]), np.zeros(6))
-    assert np.allclose(found, beyond, atol=1e-6)  # that is for the proof to refuse
+    assert np.allclose(found, beyond, atol=1e-6)  # the position isn't clipped, because the proof refuses it
 
 
 rows = st.lists(st.lists(st.floats(-1.0, 1.0, width=32), min_size=6, max_size=6), min_size=1, max_size=8)
@@ -89,7 +89,7 @@ def test_sliding_joints_are_metres_on_the_wire_and_mm_in_the_text():
 
 
 def means_the_timetable(robot, rows, duration, stands):
-    """Check that the text of a goal is read as its way-points and times."""
+    """Check that the text of a goal means its waypoints and times."""
     positions, times = timetable(robot, goal(rows, [duration] * len(rows)), stands)
     assert len(times) == len(rows)
     text = goal_text(robot, positions, times)

@@ -1,6 +1,4 @@
-"""What RViz is given: the kinematics of the URDF's text are those of the robot, and markers are where the
-cell has its bodies.
-"""
+"""Markers for RViz: the URDF has the robot's kinematics, and markers are at the cell's bodies."""
 
 import json
 from dataclasses import fields
@@ -78,7 +76,7 @@ def test_a_sliding_joint_and_a_base_that_is_not_the_root():
 def test_rotations_agree_with_ours(seed):
     drawn = np.random.default_rng(seed)
     rpy = drawn.uniform(-np.pi, np.pi, 3) * (1.0, 0.5, 1.0)
-    if seed < 4:  # half turns, where one component of the quaternion is all
+    if seed < 4:  # no turn or half turns, where the quaternion has a single component
         rpy = np.array([(0, 0, 0), (np.pi, 0, 0), (0, 0, np.pi), (np.pi, 0, np.pi)][seed], dtype=float)
     pose = placed((1.0, 2.0, 3.0), tuple(rpy.tolist()))
     again = placed((1.0, 2.0, 3.0), tuple(roll_pitch_yaw(rows(pose)[:3, :3]).tolist()))
@@ -97,13 +95,13 @@ def test_rotations_agree_with_ours(seed):
     ("text", "said"),
     [
         ("<robot", "no XML"),
-        (SLIDING.replace('child link="a"', 'child link="base"'), "no tree"),
-        (SLIDING.replace('child link="b"', 'child link="world"'), "no tree"),
-        (SLIDING.replace('child link="b"', 'child link="c"'), "no tree"),
+        (SLIDING.replace('child link="a"', 'child link="base"'), "don't form a tree"),
+        (SLIDING.replace('child link="b"', 'child link="world"'), "don't form a tree"),
+        (SLIDING.replace('child link="b"', 'child link="c"'), "don't form a tree"),
         (SLIDING.replace('"0 3 4"', '"0 nan 4"'), "xyz='0 nan 4'"),
         (SLIDING.replace('"0 3 4"', '"0 0 0"'), "no direction"),
         (SLIDING.replace('"1 2 3"', '"1 2"'), "size='1 2' of <box>"),
-        (SLIDING.replace('name="base"', 'name="bases"'), "no tree"),
+        (SLIDING.replace('name="base"', 'name="bases"'), "don't form a tree"),
         ("<robot><link name='a'/></robot>", "no link 'base'"),
         ("", "no XML"),
     ],
@@ -177,7 +175,7 @@ def test_a_half_space_is_a_plane_with_an_arrow_to_where_the_tool_may_be(rule, si
     np.testing.assert_allclose(rows(arrow.pose)[:3, 0], side * normal, atol=1e-12)
     assert np.linalg.det(rows(arrow.pose)) == pytest.approx(1.0)
     assert plane.scale[2] < 0.01 < plane.scale[0]
-    # on the plane, at its upper corner
+    # the arrow is on the plane, at its upper corner
     there = np.linalg.inv(rows(plane.pose)) @ rows(arrow.pose)[:, 3]
     np.testing.assert_allclose([*np.abs(there[:2]), there[2]], [1.08, 1.08, 0.0], atol=1e-12)
     assert rows(arrow.pose)[2, 3] > 1.0

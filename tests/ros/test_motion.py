@@ -1,4 +1,4 @@
-"""The motion link's state machine: what the stock client does, in any order, and what may become of it."""
+"""The motion link's state machine: everything that the stock client does, in any order."""
 
 import math
 
@@ -38,7 +38,7 @@ def codes(actions):
 
 
 class Link:
-    """A link with a clock of its own, and what came of it."""
+    """A link with its own clock, and the actions that it has requested."""
 
     def __init__(self, **options):
         self.link = MotionLink(6, **options)
@@ -53,7 +53,7 @@ class Link:
         return found
 
     def wait(self, seconds):
-        """Let time pass, as a loop with timers does."""
+        """Let time pass, and serve the link's timers."""
         end = self.now + seconds
         while (due := self.link.due) is not None and due <= end:
             self.now = max(self.now, due)
@@ -68,12 +68,12 @@ class Link:
         return [one.goal for one in self.actions if isinstance(one, Plan)]
 
     def made(self, refusal=None):
-        """The newest goal was planned, if there is one."""
+        """Report the newest goal as planned, if there is one."""
         goals = self.planned()
         return self.link.planned(goals[-1], refusal) if goals else []
 
     def drop(self):
-        """The connection ends, and the client comes again."""
+        """Break the connection, and connect again."""
         self.actions += self.link.disconnected(self.now)
         self.actions += self.link.connected()
 
@@ -179,15 +179,16 @@ def test_a_slow_client_goes_on_while_its_goal_is_planned():
     at.goal()
     at.wait(PAUSE * 2.0)
     assert codes(at.say(point(4))) == [Code.SUCCESS]
-    assert at.made() == []  # the plan is of no use any more
+    assert at.made() == []  # a plan of the earlier points isn't used
     at.wait(PAUSE)
     assert [len(one.points) for one in at.planned()] == [4, 5]
     assert at.planned()[0].number == at.planned()[1].number
 
 
 def test_a_plan_of_a_goal_before_it_went_on_isnt_moved():
-    """Both plans have the number of their goal; the first one, of fewer points, must not be taken for the
-    second.
+    """A plan of the goal's first points isn't executed after more points have arrived.
+
+    Both plans have the number of the same goal, and the shorter one must not be taken for the longer.
     """
     at = Link()
     at.goal()
@@ -218,7 +219,7 @@ def test_a_stop_comes_before_its_answer():
     assert codes(found) == [Code.SUCCESS]
     assert at.link.phase == "stopping"
     assert at.link.ended(1, Refusal("", "stopped")) == []
-    assert at.link.refusal is None  # it was wanted
+    assert at.link.refusal is None  # the stop was requested, so it isn't an error
     assert at.link.is_idle
 
 
@@ -362,7 +363,7 @@ def test_a_goal_without_end_is_refused():
     assert str(MOST_POINTS) in at.link.refusal.what
 
 
-# anything in any order
+# random events in any order
 
 DEEDS = st.one_of(
     st.tuples(st.just("next"), st.integers(1, 6)),
@@ -377,8 +378,9 @@ DEEDS = st.one_of(
 
 
 class Model(Link):
-    """A link, and a robot that must never be told nonsense: no motion while another one is under way, none
-    after a stop.
+    """A link and a robot that must get no impossible order.
+
+    No motion may be requested during another one, and none after a stop.
     """
 
     def __init__(self):
@@ -471,7 +473,7 @@ def test_nothing_moves_that_shouldnt(tally, deeds):
         at.do(deed, amount)
     for what in ("planned", "moved"):
         tally.count(what, reached=what in at.reached)
-    # whatever has happened: a stop, an end, and a goal moves
+    # after any events, a stop and an end, a new goal moves the robot
     at.do("stop", 0)
     if at.moves is not None:
         at.do("failed", 0)
@@ -492,7 +494,7 @@ def test_nothing_moves_that_shouldnt(tally, deeds):
     delays=st.lists(st.floats(0.0, 0.045), min_size=30, max_size=30),
 )
 def test_reconnects_lose_no_point_and_add_none(tally, count, drops, delays):
-    """The stock client sends the point again whose answer it hasn't got, whether it had arrived or not."""
+    """The stock client repeats a point whose answer was lost, also if the point itself had arrived."""
     at = Link()
     drops = {place % count: arrived for place, arrived in drops.items()}
     sent = [point(place, value=0.01 * place) for place in range(count)]

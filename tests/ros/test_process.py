@@ -18,7 +18,7 @@ END = np.array([0.3, -0.2, 0.25, 0.1, 0.3, 0.2])
 
 @pytest.fixture
 def folder():
-    """A folder for a robot that nobody else finds; the paths of sockets are short."""
+    """Yield a folder with a short path, for a robot that no other test finds."""
     with tempfile.TemporaryDirectory(prefix="ros-") as name:
         yield Path(name)
 
@@ -30,15 +30,14 @@ def path(count, seconds, end=END, start=None):
 
 
 TRIES = 8
-"""A client that a busy computer keeps from sending for 50 ms has sent half a goal, which is told: it sends
-another one.
+"""Number of attempts to send a goal.
+
+If a busy computer delays a client by 50 ms, the client has sent only half of a goal, which is reported.
 """
 
 
 async def carried_out(ports, count, seconds):
-    """Send a goal, as often as it takes on a busy computer, and return what the state link has told at its
-    end.
-    """
+    """Send a goal, repeatedly if the computer is busy, and return what the state link reports at its end."""
     async with StockClient(ports) as client:
         await client.until(lambda: client.robot.times, 60.0)
         for _ in range(TRIES):
@@ -64,8 +63,9 @@ def test_a_goal_is_carried_out(folder):
 
 def test_feedback_goes_on_while_a_long_goal_is_planned(folder):
     async def longest(client):
-        """Send a long goal; return the longest silence of the state link until the robot moves; None: it
-        doesn't [s].
+        """Send a long goal; return the longest silence of the state link until the robot moves [s].
+
+        Return None if the robot doesn't move.
         """
         positions, times = path(4000, 80.0, start=np.array(client.robot.joints[:6]))
         begun = len(client.robot.times)
@@ -111,7 +111,7 @@ def test_a_robot_that_is_served_anew_is_moved_again(folder):
             told.until("the coordinator of INDUSTRIAL6 has gone: look at the robot")
             with yarc(*serve, folder=folder) as again:
                 again.until(" is served: ")
-                told.until("the coordinator of INDUSTRIAL6 is there again")
+                told.until("the coordinator of INDUSTRIAL6 is back")
                 robot = asyncio.run(carried_out(ports, 20, 2.0))
                 assert np.abs(np.array(robot.joints[:6]) - END).max() < 0.01
 

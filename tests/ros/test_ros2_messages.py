@@ -1,5 +1,6 @@
-"""ROS 2's messages from and to the driver's values, with namespaces in the place of rosidl's classes; and
-the node where there is no ROS 2.
+"""ROS 2 messages to and from the driver's values, with namespaces instead of rosidl's classes.
+
+Also the node on a computer without ROS 2.
 """
 
 import math
@@ -22,9 +23,7 @@ def time(seconds: int = 0, nanoseconds: int = 0) -> SimpleNamespace:
 
 
 def empty(kind: str) -> Any:
-    """Return a stand-in for a message's class: only the fields that it has can be given, as in rosidl's
-    constructors.
-    """
+    """Return a stand-in for a message's class, whose constructor accepts only the message's fields."""
 
     def point() -> SimpleNamespace:
         return SimpleNamespace(

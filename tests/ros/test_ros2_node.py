@@ -1,5 +1,6 @@
-"""The ROS 2 node, moved by an rclpy client, beside `yarc serve`: where a Python has rclpy and control_msgs
-(YARCLANG_ROS2_PYTHON, or the one of a sourced setup.bash).
+"""The ROS 2 node beside `yarc serve`, used by an rclpy client.
+
+The test needs a Python with rclpy and control_msgs: YARCLANG_ROS2_PYTHON, or the one of a sourced setup.bash.
 """
 
 import json
@@ -15,12 +16,12 @@ from ros.process import yarc
 
 ROOT = Path(__file__).resolve().parents[2]
 SUCCEEDED, CANCELED, ABORTED = 4, 5, 6
-"""Of action_msgs/GoalStatus."""
+"""States of action_msgs/GoalStatus."""
 
 
 @pytest.fixture(scope="module")
 def python():
-    """Return a Python that has ROS 2."""
+    """Return the path of a Python that has ROS 2."""
     for candidate in (os.environ.get("YARCLANG_ROS2_PYTHON"), "/usr/bin/python3", sys.executable):
         if candidate and Path(candidate).exists():
             asked = subprocess.run(
@@ -33,7 +34,7 @@ def python():
 
 @pytest.fixture(scope="module")
 def told(python):
-    """Return what a client was told, by the names of its cases, and the exit status of the node."""
+    """Return the output of a client by its cases, and the exit status of the node."""
     with (
         tempfile.TemporaryDirectory(prefix="ros2-") as name,
         yarc("serve", "--robot", "industrial6", folder=name) as served,

@@ -1,4 +1,4 @@
-"""The ROS door at a simulated robot in virtual time, with doubles of the stock client on real sockets."""
+"""The ROS server with a simulated robot in virtual time, and doubles of the stock client on real sockets."""
 
 import asyncio
 import contextlib
@@ -20,7 +20,7 @@ END = np.array([0.3, -0.2, 0.25, 0.1, 0.3, 0.2])
 
 
 class Door:
-    """A door, its robot and what it has said."""
+    """A ROS server, its robot and its output."""
 
     def __init__(self, world, coordinator, ports, said):
         self.world, self.coordinator, self.ports, self.said = world, coordinator, ports, said
@@ -52,7 +52,7 @@ async def door(*, order=ByteOrder.LITTLE, hold_on_disconnect=False, keeps=False,
 
 
 def path(end=END, count=12, seconds=2.0, start=None):
-    """Return a smooth trajectory whose first point is its start, as MoveIt makes it."""
+    """Return a smooth trajectory whose first point is its start, as in MoveIt."""
     start = np.zeros_like(end) if start is None else start
     share = (1.0 - np.cos(np.linspace(0.0, np.pi, count))) / 2.0
     return start + share[:, None] * (end - start), np.linspace(0.0, seconds, count).tolist()
@@ -115,9 +115,9 @@ def test_a_single_point_takes_a_time_of_its_own():
             first = client.now() - began
             assert first < 5.0
             await client.until(lambda: not at.coordinator.owner, 1.0)
-            await client.send_goal([END], [2.0])  # there already
+            await client.send_goal([END], [2.0])  # the robot is already at this point
             assert await rests(client) == "SUCCEEDED"
-            await client.until(lambda: at.told("there already"), 2.0)
+            await client.until(lambda: at.told("already at its last point"), 2.0)
 
     run(script())
 
@@ -145,11 +145,12 @@ def test_a_stop_in_motion_is_a_hold_on_the_path_and_the_end():
             await client.until(lambda: at.coordinator.state is State.STOP and not at.world.moving, 2.0)
             share = at.stands() / END
             assert 0.02 < share.mean() < 0.98
-            assert np.ptp(share) < 2e-3  # all joints are as far as each other: on the path
+            # all joints have completed the same share, so the robot is on the path
+            assert np.ptp(share) < 2e-3
             await asyncio.sleep(0.3)
             assert client.robot.status.in_motion == 0
             assert client.robot.status.in_error == 0
-            assert (await client.stop()).code is Code.SUCCESS  # idle: nothing
+            assert (await client.stop()).code is Code.SUCCESS  # without a motion, a stop does nothing
             here = at.stands()
             await client.send_goal(*path(end=np.zeros(6), start=here))
             assert await rests(client) == "SUCCEEDED", at.said
@@ -209,7 +210,7 @@ def test_a_goal_that_breaks_limits_is_told_by_robot_status_until_the_next_one():
             assert client.robot.status.error_code == 616
             assert at.told("[Y0616]")
             assert at.told("STRETCH")
-            assert client.goal.state == "ACTIVE"  # as the stock client is
+            assert client.goal.state == "ACTIVE"  # the stock client doesn't notice the error
             await asyncio.sleep(0.5)
             assert client.robot.status.in_error == 1
             assert np.abs(at.stands()).max() < 1e-6
@@ -256,7 +257,7 @@ def test_a_client_killed_in_motion_leaves_its_goal():
                 await client.until(lambda: at.coordinator.state is State.MOVE, 3.0)
             async with StockClient(at.ports) as other:
                 await other.until(lambda: at.told("has ended at its last point"), 5.0)
-                assert at.told("goes on")
+                assert at.told("continues")
                 await asyncio.sleep(0.2)
                 assert 1 in [status.in_motion for _, status in other.robot.statuses]
                 assert other.robot.status.in_motion == 0
@@ -362,7 +363,7 @@ def test_half_a_frame_keeps_nobody_waiting():
 
 
 async def asked(ports, body):
-    """Ask on a connection of its own: the answer, and whether the connection is ended then."""
+    """Send a request on a new connection; return the answer, and whether the connection was closed then."""
     reader, writer = await asyncio.open_connection("127.0.0.1", ports[0])
     writer.write(encode(Message(Comm.REQUEST, body)))
     decoder, found = Decoder(), []
@@ -403,7 +404,7 @@ def test_another_stop_is_told():
             await client.until(lambda: client.robot.times, 2.0)
             await client.send_goal(*path(seconds=4.0))
             await client.until(lambda: at.coordinator.state is State.MOVE, 3.0)
-            at.coordinator.stop()  # of somebody else
+            at.coordinator.stop()  # a stop by somebody else
             await client.until(lambda: client.robot.status.in_error == 1, 3.0)
             assert client.goal.state == "ACTIVE"
             assert at.told("was ended before its last point")
@@ -412,7 +413,7 @@ def test_another_stop_is_told():
 
 
 def test_an_answer_never_waits():
-    """Stock clients hold their lock until the answer comes, and a stop waits with it."""
+    """Every answer comes at once, because stock clients hold their lock until then, and a stop would wait."""
 
     async def script():
         async with door() as at, StockClient(at.ports) as client:
@@ -445,7 +446,7 @@ def test_a_robot_that_cant_be_reached_tells_no_positions():
 
 
 def test_a_long_goal_is_carried_out(monkeypatch):
-    """Lines of a program have a largest length, and long texts are written in a thread."""
+    """A long goal is written as lines of bounded length, and in a thread."""
 
     async def inline(function, *arguments):
         return function(*arguments)

@@ -1,7 +1,7 @@
-"""The codec against frames of the unmodified C++ nodes, and against streams of any kind.
+"""The codec, tested with frames of the unmodified C++ nodes, and with any streams.
 
-`simple_message_vectors.json`: exchanged between the client nodes of ros-industrial/industrial_core 0.7.3
-(commit 2b7ef65) and a toy controller; its "about" says how.
+The frames in `simple_message_vectors.json` were exchanged between the client nodes of
+ros-industrial/industrial_core 0.7.3 (commit 2b7ef65) and a toy controller; its "about" describes how.
 """
 
 import json
@@ -45,7 +45,7 @@ def single(value):
 
 
 def wanted(vector):
-    """Return the message that a vector's fields describe."""
+    """Return the message that a frame's fields describe."""
     fields = dict(vector["fields"])
     comm, code, kind = Comm(fields.pop("comm_type")), Code(fields.pop("reply_code")), fields.pop("msg_type")
     fields.pop("length")

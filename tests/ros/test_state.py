@@ -1,4 +1,4 @@
-"""What the state link tells, from what the coordinator tells."""
+"""The reports of the state link, from those of the coordinator."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ ROBOT = load_robot("INDUSTRIAL6").value
 
 
 class Told:
-    """A feedback with a coordinator that tells what a test wants."""
+    """A feedback whose coordinator reports what a test says."""
 
     def __init__(self, state=State.STOP, owner=None):
         joints = [replies.Joint(name=name, position=None, unit="deg") for name in ROBOT.joint_names]
@@ -67,7 +67,7 @@ def test_a_program_is_a_motion():
     told.becomes(State.INIT)
     assert told.status().in_motion == 0
     told.becomes(State.MOVE)
-    assert told.status().in_motion == 1  # a pause within the program, too
+    assert told.status().in_motion == 1  # during a program in_motion is 1, even in a pause
     told.becomes(State.STOP)
     assert told.status().in_motion == 0
 

@@ -1,4 +1,4 @@
-"""Goals of the ROS nodes: what they must be like, the path that they ask for, and their programs."""
+"""Goals of the ROS nodes: requirements on them, the path that they ask for, and their programs."""
 
 import ast
 import dataclasses
@@ -53,7 +53,7 @@ steps = st.floats(0.05, 3.0)
 
 @st.composite
 def goals(draw, size=3):
-    """A goal for `size` joints: positions alone, with velocities, or with accelerations."""
+    """Draw a goal for `size` joints: positions, and perhaps velocities and accelerations."""
     count = draw(st.integers(1, 6))
     orders = draw(st.integers(1, 3))
     times = np.cumsum(draw(st.lists(steps, min_size=count, max_size=count))).tolist()
@@ -68,7 +68,7 @@ def goals(draw, size=3):
     return Goal(tuple(f"J{number}" for number in range(1, size + 1)), tuple(points))
 
 
-# what a goal must be like
+# requirements on a goal
 
 
 @pytest.mark.parametrize(
@@ -289,7 +289,7 @@ def test_a_program_is_one_timetable_in_units_of_the_robot():
 
 def test_the_robot_is_led_to_a_first_point_where_it_does_not_stand():
     made = program_of(goal(THERE, dataclasses.replace(HOME, time_from_start=2.0)), ARM, (0.5,) * 6)
-    assert not made.has_lead  # a time to get there is given
+    assert not made.has_lead  # the goal itself states the time to get there
     late = goal(
         dataclasses.replace(THERE, time_from_start=0.0), dataclasses.replace(HOME, time_from_start=2.0)
     )
@@ -335,14 +335,14 @@ def test_a_goal_whose_text_is_too_long_is_refused_with_its_length():
     assert too_long(short) is None
 
 
-# the house
+# modules that the nodes import
 
 
 def test_the_nodes_import_the_standard_library_and_the_client_alone():
     allowed = sys.stdlib_module_names | {"__future__"}
     for path in NODE.glob("*.py"):
         if path.stem in ("ros1", "ros1_shell", "ros2", "ros2_shell", "interfaces"):
-            continue  # shells import their ROS
+            continue  # these modules may import ROS
         for node in ast.walk(ast.parse(path.read_bytes(), feature_version=(3, 8))):
             names = [one.name for one in node.names] if isinstance(node, ast.Import) else []
             if isinstance(node, ast.ImportFrom):

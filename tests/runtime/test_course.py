@@ -1,7 +1,7 @@
-"""Whatever is compiled is executed without an alarm: the way of the lines is where the controller commands
-the motors to be.
+"""Random tests of the runtime's check that the robot follows its streamed lines: correct programs cause no
+alarm.
 
-Usually 24 programs are run; YARCLANG_RANDOM_RUNS=1000 in the environment runs so many.
+Usually 24 programs are run; with YARCLANG_RANDOM_RUNS=1000 in the environment, that many.
 """
 
 import os
@@ -32,8 +32,8 @@ ROBOTS = ("INDUSTRIAL6", "TRACKED_MANIPULATOR")
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_random_programs_run_without_an_alarm(name):
-    """Joints, lines, arcs, splines, all laws, BLENDs and outputs; at any segment time, over links of any
-    delay, at any pace.
+    """Programs with joint motions, lines, arcs, splines, all motion laws, BLENDs and outputs run without an
+    alarm: with any segment time, over links with any delay, at any override.
     """
     robot = robot_of(name)
     arm = Arm.in_folder(robot.folder)
@@ -52,7 +52,7 @@ def test_random_programs_run_without_an_alarm(name):
         stand(machine, robot, job.start)
         world = World(machine, delay=float(random.choice([0.0005, 0.005, 0.02])), seed=seed)
         world.perform(connect(world.operation))
-        for line in ("M11->*", "M11=1"):  # what a program watches
+        for line in ("M11->*", "M11=1"):  # Variables that programs watch.
             world.say(line)
         assert not world.perform(look(world.operation, robot, items_of(robot))).errors
         for after in random.uniform(0.0, job.duration, 2):
@@ -69,7 +69,7 @@ def off(course, place, executed=(0, 10)):
 
 @pytest.fixture
 def course(industrial6):
-    """Along J1, a degree a line."""
+    """Fixture: the course of a motion along J1, one degree for each line."""
     found = Course(industrial6, np.zeros(6), np.full(6, 1e-9), 0.05)
     found.append(
         ["RAPID", "SPLINE1", "TM50", *(f"X{n}Y0Z0A0B0C0" for n in range(1, 40)), "P8100=0", "DWELL0"]
@@ -78,7 +78,7 @@ def course(industrial6):
 
 
 COUNTS = 25532.8278
-"""Of motor 1, a degree."""
+"""Counts of motor 1 for one degree."""
 
 
 @pytest.mark.parametrize("at", [0.0, 0.5, 3.3, 6.0])

@@ -1,4 +1,6 @@
-"""Registers, run-time conditions and CASE: what is decided on the simulator, and what ends a run."""
+"""Tests of registers, run-time conditions and CASE on the simulator: the chosen branches, and the ways in
+which a run ends.
+"""
 
 import pytest
 from programs import compiled
@@ -17,7 +19,7 @@ COUNTED = ("REGISTER N 0..3", "INPUT JOB M70", "INPUT EMPTY M71")
 
 
 def numbered(lines):
-    """Lines with an index before each SET that has none."""
+    """Return lines in which each SET without an index has got one."""
     return [
         f"P{k}0 {line.strip()}" if line.strip().startswith("SET") else line for k, line in enumerate(lines, 1)
     ]
@@ -59,7 +61,9 @@ def test_a_case_takes_the_way_of_its_value(robot, number, lamp):
 
 
 def test_a_case_reads_its_input_once(robot):
-    """The input changes at each question: with a second look at it, no OF or another one would be taken."""
+    """CASE reads its input only once. The input changes after each reading, so a second reading would lead to
+    another OF or to none.
+    """
     made = world(robot)
     made.machine.command("M70->*", 7)
     made.machine.command("M70=2", 7)
@@ -121,11 +125,11 @@ def test_what_no_register_can_hold_ends_the_run_at_rest(robot, line, number, wha
     assert what in ended.what
     assert ended.at_barrier
     assert ended.concerns.index == "P0020"
-    assert value(made, "M2") == 0.0  # nothing after it was done
-    assert value(made, "M1") == 0.0  # the safe value
+    assert value(made, "M2") == 0.0  # the lines after the failed one weren't executed
+    assert value(made, "M1") == 0.0  # its safe value
     assert dict(ended.registers) == {"N": 0}
     told = [one.text for one in made.told if isinstance(one, Remark)]
-    assert "registers: N is 0; a run that goes on with --from begins with their first values" in told
+    assert "registers: N is 0; a run that continues with --from begins with their initial values" in told
 
 
 def test_the_log_tells_what_was_decided(robot):
@@ -175,7 +179,7 @@ ENDS = (
     ],
 )
 def test_a_way_may_end_the_program(robot, inputs, well, place, what):
-    """Where the way ends is where the robot stands, and nothing after it is done."""
+    """If a branch ends the program, the robot stands there, and nothing after the branch is executed."""
     made = world(robot)
     for name in ("M70", "M71"):
         made.machine.command(f"{name}->*", 7)
@@ -186,14 +190,14 @@ def test_a_way_may_end_the_program(robot, inputs, well, place, what):
     assert joints(made, robot)[0] == pytest.approx(place, abs=1e-3)
     assert ended.joints[0] * 57.29577951308232 == pytest.approx(place, abs=1e-3)
     assert value(made, "M2") == (90.0 if place == 9.0 else 0.0)
-    assert value(made, "M1") == 0.0  # safe, whichever way it has ended
+    assert value(made, "M1") == 0.0  # its safe value, in whichever branch the program has ended
     assert ended.at_barrier == (not well)
     told = [one.text for one in made.told if isinstance(one, Remark)]
     assert well == ("STOP: the program ends here" in told[-1] or place == 9.0)
 
 
 def test_nobody_goes_on_after_an_abort(robot):
-    """An order to resume that is there when the program aborts is no reason to go on."""
+    """An order to resume that is waiting when the program aborts itself doesn't continue the program."""
     made = world(robot)
     for name, number in (("M70", 2), ("M71", 0)):
         made.machine.command(f"{name}->*", 7)
@@ -210,13 +214,13 @@ def test_the_log_tells_which_way_of_a_case_was_taken(robot):
     assert ended.well
     told = [one.text for one in made.told if isinstance(one, Remark)]
     first, second = (one for one in told if " OF: " in one)
-    assert first.endswith("OF: JOB is 2: its lines are left out")
-    assert second.endswith("holds, M70 is 2: its lines are carried out")
+    assert first.endswith("OF: JOB is 2: its lines are skipped")
+    assert second.endswith("holds, M70 is 2: its lines are executed")
 
 
 @pytest.mark.parametrize("when", [0.3, 1.2, 2.6])
 def test_a_stop_in_any_leg_leaves_the_registers_as_they_were_there(robot, when):
-    """Stopped in the first motion, in that of the way, and at the WAIT after it."""
+    """Stop in the first motion, in the motion of the branch, and at the WAIT after it."""
     made = world(robot)
     for name in ("M70", "M71"):
         made.machine.command(f"{name}->*", 7)
@@ -239,12 +243,12 @@ def test_a_stop_in_any_leg_leaves_the_registers_as_they_were_there(robot, when):
     assert not ended.well
     reached = dict(ended.registers)["N"]
     place = joints(made, robot)[0]
-    # what was counted is what lies behind the robot
+    # The register has counted the motions that the robot has completed.
     assert reached == (0 if place < 5 - 1e-3 else 1 if place < 9 - 1e-3 else 2)
 
 
 def test_a_new_run_begins_anew(robot):
-    """A new run begins with the first values, whatever the one before has counted."""
+    """A new run begins with the initial values of the registers, not with the values of the previous run."""
     made, ended = performed(robot, "SET N = 3", "SET LAMP 1")
     assert ended.well
     assert dict(ended.registers) == {"N": 3}
@@ -267,7 +271,7 @@ def test_a_program_buffer_can_not_decide(robot, lines):
 
 
 def test_a_program_can_not_be_begun_inside_a_case(robot):
-    """The finding stands at the CASE's first OF, not at the next one."""
+    """The finding refers to the first OF of the CASE, not to the next one."""
     program, _ = compiled(HEAD + "\n".join((*COUNTED, *ENDS)) + "\n", robot.name)
     begins = beginning(program.plan, "P0030")
     assert not isinstance(begins, Diagnostic)
@@ -293,7 +297,7 @@ def test_ways_that_end_the_program_take_their_own_time():
     parts = [1.0, "when", 5.0, "finish", "else", 0.5, "when", "finish", "end", "end", 2.0]
     schedule = schedule_of(parts)
     assert (schedule.lasting.least, schedule.lasting.most) == (1.5, 6.0)
-    assert schedule.clocks[-1] == 3.5  # who comes to the end has gone through the second way
+    assert schedule.clocks[-1] == 3.5  # a run that reaches the end has taken the second branch
     assert schedule_of([1.0, "when", 5.0, "finish", "else", 3.0, "finish", "end"]).lasting == Lasting(
         4.0, 6.0
     )
@@ -309,7 +313,7 @@ UNTIL = ("P10 SET N = 3", "P20 WAIT EMPTY = ON AND (JOB > 2 OR N = 1) [2] (s)", 
         (((0.5, "M71=1"),), False, 2.0),
         (((0.5, "M70=3"),), False, 2.0),
         (((0.5, "M70=3"), (1.0, "M71=1")), True, 1.0),
-        # what held before and doesn't now is no reason to go on
+        # a condition that was fulfilled for a moment doesn't count
         (((0.5, "M70=3"), (0.8, "M70=0"), (1.0, "M71=1")), False, 2.0),
     ],
 )
@@ -360,7 +364,7 @@ def test_a_wait_that_cannot_be_computed_ends_the_run(robot):
 
 
 def test_one_input_and_one_value_is_the_wait_that_there_was(robot):
-    """WAIT JOB = 3 and WAIT JOB 3 are one text: a program buffer has both."""
+    """`WAIT JOB = 3` and `WAIT JOB 3` give the same controller text. A program buffer supports both."""
     texts = [
         compiled(HEAD + f"INPUT JOB M70\nP10 {line}\n", robot.name, target=target)[0].text
         for line in ("WAIT JOB = 3 [2] (s)", "WAIT JOB 3 [2] (s)")
@@ -383,5 +387,7 @@ def test_the_operator_is_told_and_the_program_goes_on(robot):
 
 
 def test_a_text_with_braces_around_no_register_is_told_as_it_stands():
-    """A text that was judged without its program may have them."""
+    """Braces that contain no register remain unchanged. A text that was verified without its program may
+    contain them.
+    """
     assert filled("a {B} {} {{N}} {N", {"N": 4}) == "a {B} {} {4} {N"

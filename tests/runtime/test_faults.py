@@ -1,5 +1,5 @@
-"""Faults: for each the robot ends at rest, the user is told where it stands and in which command, and nothing
-begins before the controller was looked at.
+"""Tests of faults. After each one the robot is at rest, the user is told its position and the command, and no
+motion begins before the controller was inspected.
 """
 
 import numpy as np
@@ -19,7 +19,7 @@ from yarclang.runtime.pmac.performance import connect, end_what_runs, look, perf
 from yarclang.runtime.state import State
 
 AT = 2.2
-"""In the second motion."""
+"""Time of the fault, in the second motion [s]."""
 
 GUARD_HELD = ("2",)
 
@@ -31,7 +31,7 @@ def run(world, job):
 
 
 def fails(world, job, words, command=1):
-    """Run; what holds for every fault."""
+    """Run a job that a fault ends, and check what holds after each fault."""
     ended = run(world, job)
     assert not ended.well
     assert words in ended.what, ended
@@ -51,14 +51,14 @@ def fails(world, job, words, command=1):
 
 
 def refuses(world, job):
-    """Without a look, nothing is even asked."""
+    """Check that without an inspection a run is refused before anything is requested."""
     requests = len(world.sent)
-    assert "look at the controller" in run(world, job).remedy
+    assert "check the controller" in run(world, job).remedy
     assert len(world.sent) == requests
 
 
 def looked_at(world, job):
-    """The subjects of what is wrong."""
+    """Return the subjects of the failed checks of an inspection."""
     world.perform(connect(world.operation))
     found = world.perform(look(world.operation, job.robot, items_of(job.robot)))
     return [error.subject for error in found.errors]
@@ -73,7 +73,7 @@ def goes_again(world, job):
 
 
 def held_within(world, since, seconds):
-    """A hold or an abort was on the wire in time."""
+    """Check that a hold or an abort was sent in time."""
     times = [
         sent.time for sent in world.sent if sent.request in (Control("\x0f"), Control("\x01"), Ask("&1H"))
     ]
@@ -103,7 +103,7 @@ def test_a_controller_that_does_not_answer_for_a_while():
     since = world.now
     ended = fails(world, job, "in time")
     assert ended.joints is not None
-    # meanwhile the guard has held, on the path
+    # In the meantime, the guard PLC has held the motion on its path.
     assert moved_along(world, job, plan, since) < 1.0
     goes_again(world, job)
 
@@ -121,7 +121,9 @@ def test_a_reply_that_is_late():
 
 
 def test_a_controller_that_stays_out_of_reach():
-    """The guard PLC holds on the path; a new run refuses until somebody has ended the program."""
+    """If the controller stays unreachable, its guard PLC holds the motion on the path. A new run is refused
+    until the held program has been ended.
+    """
     job, plan = prepared(tm=5)
     world = world_of(job, record=True)
     since = world.now
@@ -132,7 +134,7 @@ def test_a_controller_that_stays_out_of_reach():
     assert not world.moving
     assert world.say("P8104") == GUARD_HELD
     assert moved_along(world, job, plan, since) < 1.0
-    # the cable is in again
+    # The cable is plugged in again.
     world.reachable = lambda now: True
     assert looked_at(world, job) == ["coordinate system 1"]
     assert world.operation.state is State.FAULT
@@ -148,7 +150,7 @@ def test_a_program_whose_lines_are_all_in_is_held_too():
     since = world.now
     world.reachable = lambda now: now < since + AT
     ended = fails(world, job, "can't be reached again")
-    assert "received nothing from this computer for 0.4 s" in ended.remedy
+    assert "0.4 s without data from this computer" in ended.remedy
     assert not world.moving
     assert np.abs(world.stands(job.robot) - to_counts(job.robot, job.end)).max() > 1000.0
     assert moved_along(world, job, plan, since) < 1.0
@@ -157,7 +159,9 @@ def test_a_program_whose_lines_are_all_in_is_held_too():
 
 
 def test_a_connection_that_comes_back_in_time():
-    """Five seconds later: held by the guard, and ended by us."""
+    """The connection comes back after five seconds: the guard PLC has held the motion, and the runtime ends
+    it.
+    """
     job, plan = prepared(tm=5)
     world = world_of(job, record=True)
     since = world.now
@@ -221,7 +225,7 @@ def test_something_else_at_the_address():
     job, _ = prepared(tm=5)
     world = world_of(job, prepare=False)
     world.spoil = lambda request, reply: b"HTTP/1.1 400 Bad Request\r\n"
-    with pytest.raises(Trouble, match="doesn't answer as a PMAC"):
+    with pytest.raises(Trouble, match="doesn't answer like a PMAC"):
         world.perform(connect(world.operation))
 
 
@@ -272,8 +276,8 @@ def test_a_garbled_reply(kind, number):
 @settings(max_examples=8)
 @given(st.integers(0, 2**31), st.sampled_from([0.002, 0.01, 0.05]))
 def test_any_byte_of_any_reply(tally, seed, share):
-    """What can be told from a right reply ends the run on the path; and a wrong position or status does no
-    more harm than that.
+    """One byte of a reply is changed. If the change is detectable, the run ends on the path. A wrong position
+    or status does no more harm than this.
     """
     job, plan = prepared(tm=10)
     world = world_of(job, record=True, seed=seed)
@@ -323,7 +327,7 @@ def test_a_controller_that_is_busy_for_long():
     ended = fails(world, job, "the controller has been busy for 2 s")
     assert ended.joints is not None
     assert "SAVE" in ended.remedy
-    # held by a control character, which is taken at any time, or by the guard before
+    # The hold was sent as a control character, which even a busy controller accepts.
     assert Control("\x0f") in [sent.request for sent in world.sent]
     assert moved_along(world, job, plan, since) < 1.0
     goes_again(world, job)
@@ -346,7 +350,7 @@ def test_a_controller_that_stays_busy():
 
 @pytest.mark.parametrize("saved", [False, True])
 def test_a_controller_that_is_reset(saved):
-    """With the form of replies saved, it is the motors that tell."""
+    """If the format of replies is saved in the controller, a reset is recognized only by the motors."""
     job, _ = prepared(tm=5)
     world = world_of(job)
     if saved:
@@ -356,10 +360,10 @@ def test_a_controller_that_is_reset(saved):
         world.say("I3=2")
     world.spoil_by(f"reset@{AT}")
     ended = fails(world, job, "was reset" if saved else "was it reset?")
-    # nothing is closed or moved again
+    # Nobody closes the motors' loops again, so the checks of all motors fail.
     assert looked_at(world, job) == [f"motor {motor}" for motor in job.robot.controller.motors]
     assert world.operation.state is State.FAULT
-    # its registers count from where it woke up
+    # The position registers count from the position at the reset, so the position is unknown.
     assert ended.joints is None
     assert "home it" in ended.remedy
     assert "--from" not in ended.remedy
@@ -400,7 +404,7 @@ def test_an_amplifier_that_fails(alone):
 
 @pytest.mark.parametrize("side", ["+", "-"])
 def test_a_limit_switch(side):
-    """Motor 2 goes up in the second motion: only the positive switch stops it."""
+    """In the second motion, motor 2 moves upwards: only the positive limit switch stops it."""
     job, _ = prepared(tm=5)
     world = world_of(job)
     world.spoil_by(f"limit@{AT}:2{side}")
@@ -410,9 +414,9 @@ def test_a_limit_switch(side):
         assert "negative limit" in ended.what
         assert ended.command_index == "P0030"
         return
-    fails(world, job, "motor 2: it was stopped at the positive limit")
+    fails(world, job, "motor 2: it was stopped by the positive limit")
     assert looked_at(world, job) == ["motor 2"]
-    # off the switch, and away from it
+    # Move the motor off the limit switch.
     world.machine.set_limit_switch(2, 1, False)
     world.say("#2J^-2000")
     world.machine.advance(1.0)
@@ -422,20 +426,20 @@ def test_a_limit_switch(side):
 def test_a_software_limit():
     job, _ = prepared(tm=5)
     world = world_of(job)
-    world.operation.memory = Memory()  # nobody compares
+    world.operation.memory = Memory()  # without the settings that are compared before a run
     world.say("I113=470000")
     ended = run(world, job)
-    assert "motor 1: it was stopped at the positive limit" in ended.what
+    assert "motor 1: it was stopped by the positive limit" in ended.what
     assert not world.moving
 
 
 @pytest.mark.parametrize("delay", [0.03, 0.05])
 def test_a_fault_is_seen_over_a_slow_link(delay):
-    """Looking at status words isn't starved by other questions."""
+    """The status words are read often enough, even if other requests are frequent."""
     job, _ = prepared(tm=20)
     world = world_of(job, delay=lambda: delay)
     since = world.now
-    # loading takes its time
+    # Loading the lines also takes time.
     world.spoil_by(f"amplifier@{AT + 20 * delay}:1")
     fails(world, job, "motor 1: its amplifier reports a fault")
     held_within(world, since, AT + 20 * delay + 1.0)
@@ -449,8 +453,8 @@ def test_a_fault_is_seen_over_a_slow_link(delay):
     ],
 )
 def test_a_fault_while_the_program_is_loaded(fault, words):
-    """Nothing has moved: no command was executed, and it is the motor that is told of, not that R is
-    refused.
+    """A fault while the program is loaded. Nothing has moved and no command was executed. The message names
+    the motor, not the refused R.
     """
     job, _ = prepared(tm=5)
     world = world_of(job, faults=[fault])

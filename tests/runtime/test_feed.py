@@ -1,5 +1,5 @@
-"""The feed: it never sends more than fits, never believes that more lies ahead than does, and sends each line
-once, in order, whatever the controller executes in the meantime.
+"""Tests of the feed. It never sends more lines than fit into the buffer, and never overestimates the buffered
+lines. It sends each line once and in order, whatever the controller executes in the meantime.
 """
 
 from dataclasses import replace
@@ -18,7 +18,9 @@ SEGMENT = 0.01
 
 
 def job_of(gaps, words=480):
-    """A job of moves of `SEGMENT`, each behind so many lines that take no time."""
+    """Return a job of moves that take `SEGMENT` each. `gaps` has the number of lines without a duration
+    before each move.
+    """
     model, _ = prepared()
     lines, times = [], []
     for number, gap in enumerate(gaps, 1):
@@ -36,9 +38,10 @@ def job_of(gaps, words=480):
 
 
 class Executor:
-    """What a controller may do at most: a move a segment, and two at once where it begins again.
+    """The fastest execution that a controller is capable of: one move in each segment, and two at once at the
+    beginning and after the buffer was empty.
 
-    `pace` says for each segment how long it takes, in segments, 1 or more.
+    `pace` gives for each segment how long it takes, in segments (1 or more).
     """
 
     def __init__(self, job, pace):
@@ -67,7 +70,7 @@ class Executor:
             self.moved += 1
 
     def _calculate(self):
-        """Up to the next move, if it is there."""
+        """Take lines up to and including the next move, if the buffer contains one."""
         while self.taken < self.loaded:
             self.taken += 1
             if self.job.lines[self.taken - 1].startswith("X"):
@@ -155,10 +158,10 @@ def test_a_packet_is_worth_it_where_it_is_full_or_the_last_or_lines_are_few():
         feed.written(len(feed.packet()))
     assert feed.room == 0
     feed.heard(job.capacity - 3, 1.0, 1.0)
-    # room for three lines: not yet
+    # There is room for only three lines, so it isn't worth sending a packet yet.
     assert len(feed.packet()) == 3
     assert not feed.worthwhile(1.0)
-    # a second later nearly nothing may be left
+    # A second later, the buffer may be almost empty.
     assert feed.worthwhile(2.0)
 
 

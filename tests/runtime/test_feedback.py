@@ -1,4 +1,4 @@
-"""Reports of positions and status words: what a controller says, and what it never would."""
+"""Tests of reports of positions and status words, including reports that no controller sends."""
 
 import pytest
 from hypothesis import given

@@ -1,4 +1,6 @@
-"""Groups of bits: numbers that are read and set as several inputs and outputs, on the simulator."""
+"""Tests of groups of bits, which are several inputs or outputs read and set as one number, on
+the simulator.
+"""
 
 import pytest
 
@@ -35,7 +37,7 @@ def performed(made, robot, *lines):
 
 
 def asked_of(made, each):
-    """Call `each` after every look at the group, with the number of looks so far."""
+    """Let `each` be called after each reading of the group, with the number of readings so far."""
     before, looks = made.machine.command, []
 
     def command(line, port):
@@ -55,12 +57,12 @@ def test_the_first_variable_is_the_lowest_bit_and_all_values_need_no_else(robot,
     looks = asked_of(made, lambda _: None)
     assert performed(made, robot, *CASES, "SET N = JOB").registers == (("N", number),)
     assert value(made, "M2") == lamp
-    assert len(looks) == 4  # two for all of the CASE, two for the SET
+    assert len(looks) == 4  # two readings for the whole CASE, two for the SET
 
 
 def test_a_torn_number_is_never_taken(robot):
-    """The PLC goes from 1 to 6; the first look falls between its writes, and has read 7, which was never
-    meant.
+    """A number that is read while the PLC changes it isn't used. Here the PLC changes 1 to 6, and the first
+    reading gives 7.
     """
     made = standing(robot, 7)
     asked_of(made, lambda looks: set_bits(made, 6) if looks == 1 else None)
@@ -87,13 +89,13 @@ def test_a_bit_that_reads_a_word_ends_the_run(robot):
 
 
 def test_inputs_that_change_within_a_case_change_nothing(robot):
-    """Once read, the number may change."""
+    """CASE uses the number that it has read, even if the input changes afterwards."""
     made = standing(robot, 2)
     looks = asked_of(made, lambda count: set_bits(made, 1) if count == 2 else None)
     ended = performed(made, robot, *CASES, "CASE JOB", "OF 1", "  SET N = 5", "ELSE", "  SET N = 3", "END")
     assert ended.well
     assert value(made, "M2") == 20
-    assert ended.registers == (("N", 5),)  # the second CASE reads anew
+    assert ended.registers == (("N", 5),)  # the second CASE has read the input again
     assert len(looks) == 4
 
 
@@ -134,7 +136,9 @@ MOVING = (
 
 
 def test_a_hold_within_a_case_goes_on_in_the_way_that_was_read(robot):
-    """The number changes while the robot is held in the middle of a way."""
+    """The number changes while the robot is held in a branch of the CASE. The run continues in
+    this branch.
+    """
     made = standing(robot, 2)
     made.order(Hold(), 2.0)
     made.do(lambda: set_bits(made, 1), 4.0)
@@ -144,7 +148,7 @@ def test_a_hold_within_a_case_goes_on_in_the_way_that_was_read(robot):
     assert ended.well
     assert ended.ways == (False, True)
     assert value(made, "M2") == 20
-    assert made.now - since > 9.0  # it was held
+    assert made.now - since > 9.0  # the run was held
 
 
 @pytest.mark.parametrize("order", [Hold(), Stop()])
@@ -181,5 +185,5 @@ def test_what_a_group_cannot_hold_ends_the_run(robot):
         made.machine.command(f"{bit}=0", 7)
     ended = performed(made, robot, "OUTPUT OUT M80..M81", "SET N = JOB", "SET OUT = N", "SET LAMP 9")
     assert ended.code == "Y1630"
-    assert "would make OUT 7, and its 2 bits hold integers from 0 to 3" in ended.what
+    assert "would make OUT 7, and its 2 bits hold only integers from 0 to 3" in ended.what
     assert value(made, "M80") == value(made, "M81") == 0

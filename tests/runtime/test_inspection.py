@@ -1,5 +1,5 @@
-"""Looking at a controller: each single wrong thing is one clear row and a refusal; harmless differences
-aren't.
+"""Tests of the inspection of a controller. Each single wrong setting gives one clear row and a refusal;
+harmless differences don't.
 """
 
 import re
@@ -38,7 +38,7 @@ def seen(world):
 
 
 def the_error(world):
-    """The only one, and that nothing was tried with the guard."""
+    """Return the only error of an inspection. Check that the guard PLC wasn't tested after it."""
     found = seen(world)
     assert found.joints is None or len(found.errors) == 1
     (error,) = found.errors
@@ -56,7 +56,7 @@ def test_all_is_well(world):
     assert len(subjects) == len(set(subjects))
     for word in ("controller", "coordinate system 1", "guard PLC 29", "PLC 0", "I42", "I5195", "motor 6"):
         assert any(subject.startswith(word) for subject in subjects), word
-    # the trial of the guard leaves nothing behind
+    # After the test of the guard PLC, everything is as before.
     assert world.say("P8100") == ("0",)
     assert world.say("&1%") == ("100",)
 
@@ -87,7 +87,7 @@ ITEMS = {name: items_of(load_robot(name).value) for name in ROBOTS}
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_each_wrong_setting_is_one_row(name):
-    """Each I-variable, axis definition, address of an M-variable."""
+    """Each I-variable, axis definition and address of an M-variable that is wrong gives one row."""
     world = connected(name)
     for item in ITEMS[name]:
         if item.kind == "listing":
@@ -118,7 +118,7 @@ def wrong_values(item):
         return [another, item.wanted.replace(factor, factor + "0", 1) + "+1"]
     value = float(item.wanted)
     if re.fullmatch(r"I[2-6]\d\d", item.question):
-        # as motor 1
+        # Motors 2 to 6 are checked like motor 1, so one wrong value is enough.
         return [f"{value + max(1.0, abs(value)) * 1e-4:.6f}"]
     return [f"{value + max(1.0, abs(value)) * 1e-4:.6f}", f"{-value - 1:.4f}"]
 
@@ -159,7 +159,7 @@ def test_a_disabled_guard_is_found_by_trying_it():
     world.say("DISABLE PLC 29")
     error = the_error(world)
     assert error.subject == "guard PLC 29"
-    assert error.found == "armed, it does nothing"
+    assert error.found == "armed, but it doesn't react"
     assert world.say("P8100") == ("0",)
 
 
@@ -251,7 +251,7 @@ def test_a_running_program_is_one_row_and_is_not_disturbed():
 
 
 def test_a_program_that_the_guard_holds_is_one_row_until_it_is_ended():
-    """The computer died: nobody has fed the rotary."""
+    """A program that the guard PLC holds, because the computer has died, gives one row until it is ended."""
     job, _ = prepared(tm=20)
     world = world_of(job)
     script = perform(world.operation, job)
@@ -261,13 +261,13 @@ def test_a_program_that_the_guard_holds_is_one_row_until_it_is_ended():
     world.machine.advance(5.0)
     world.now = world.machine.now
     assert world.say("P8104") == ("2",)
-    # another process
+    # Another process inspects the controller.
     again = World(world.machine)
     again.robot = job.robot
     ahead = again.say("PR")
     again.perform(connect(again.operation))
     (error,) = seen(again).errors
-    assert error.found == "a program is in the middle, held or starved"
+    assert error.found == "an unfinished program is held, or waits for lines"
     assert "yarc stop" in error.remedy
     assert again.say("PR") == ahead, "nothing that was asked was stored"
     joints = again.perform(end_what_runs(again.operation, job.robot, abort=False))
@@ -325,7 +325,7 @@ def test_each_turbo_is_known(identity):
 
 
 def harmlessly(request, reply):
-    """The same, written otherwise."""
+    """Return the same reply in another notation."""
     line = request.line if isinstance(request, Ask) else ""
     text = reply.decode("ascii", "replace")
     body = text.removesuffix("\r\x06")
@@ -408,7 +408,7 @@ def test_a_connection_that_is_lost_meanwhile_is_told():
     world.spoil = lambda request, reply: b"\x12" if request == Ask("#3->") else reply
     from yarclang.runtime.actions import Trouble
 
-    with pytest.raises(Trouble, match="lost while looking"):
+    with pytest.raises(Trouble, match="lost while checking"):
         world.perform(look(world.operation, world.robot, items_of(world.robot)))
 
 
@@ -440,7 +440,7 @@ def test_nothing_is_asked_that_moves():
 
 
 def test_two_groups_of_motors_are_looked_at(tmp_path):
-    """Motors 5 to 10: more than ^B tells of at once."""
+    """A robot on motors 5 to 10, which a single ^B doesn't report."""
     robot, world = robot_with(tmp_path, motors=range(5, 11))
     world.robot = robot
     world.perform(connect(world.operation))

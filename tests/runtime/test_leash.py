@@ -1,5 +1,5 @@
-"""A host that is kept from its work, beside a simulator in its own process: the simulation is slower, and
-otherwise the same.
+"""Tests of a host that is blocked while a simulator runs in its own process. The simulation becomes slower,
+but nothing else changes.
 """
 
 import asyncio
@@ -25,7 +25,7 @@ PACES = [4.0, 20.0]
 
 
 class Starved:
-    """A listener that keeps the whole of its thread from its work, a few times while the robot moves."""
+    """A listener that blocks its thread several times while the robot moves."""
 
     def __init__(self, seconds, at):
         self.seconds, self.at, self.told = seconds, list(at), []
@@ -38,7 +38,7 @@ class Starved:
 
     @property
     def oddities(self):
-        """What a person would be told of, besides the way of an undisturbed run."""
+        """Return the notices that an undisturbed run wouldn't give."""
         usual = {State.STOP, State.INIT, State.MOVE, State.DISCONNECTED}
         return [
             one
@@ -49,7 +49,9 @@ class Starved:
 
 
 def carried_out(job, starved, leashed, pace=4.0):
-    """How a job ends on a simulator in this process, at another pace."""
+    """Return the outcome of a job on a simulator in this process, at `pace` times real time. If `leashed`,
+    the simulator waits for its client.
+    """
     robot, machine = robot_machine(job.robot.name, record=False)
     stand(machine, robot, job.start)
 
@@ -88,8 +90,9 @@ def test_without_a_leash_the_guard_holds_meanwhile(job):
 
 @pytest.mark.parametrize("pace", PACES)
 def test_a_process_that_is_stopped_again_and_again_holds_nothing(job, pace):
-    """A request lies in the simulator's socket when both go on: the time since the last one is left out
-    all the same.
+    """The guard PLC doesn't hold the motion of a process that is stopped repeatedly. When the process
+    continues, a request is already waiting in the simulator's socket. Even then, the time since the last
+    request doesn't count as silence.
     """
     starved = Starved(0.2, [0.3 * number for number in range(15)])
     ended = carried_out(job, starved, leashed=True, pace=pace)
@@ -98,7 +101,7 @@ def test_a_process_that_is_stopped_again_and_again_holds_nothing(job, pace):
 
 
 class Machine:
-    """A leash without a machine: its time passes by hand."""
+    """Replacement for a simulator on a leash, whose time the test sets."""
 
     def __init__(self):
         self.until = None

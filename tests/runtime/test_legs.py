@@ -1,5 +1,5 @@
-"""Programs with barriers: outputs, dwells, waits on inputs, holds, and the ways of a WHEN, in both
-targets.
+"""Tests of programs with barriers: outputs, dwells, waits for inputs, holds, and branches of WHEN, for both
+kinds of controller text.
 """
 
 import numpy as np
@@ -88,8 +88,8 @@ def test_a_wait_for_an_input(robot):
 
 
 def test_sets_and_waits_are_told(robot):
-    """Each SET as it is carried out, each WAIT as it begins and ends, also one that is met at once;
-    between two legs no state says that the program is at its end.
+    """Each SET is reported when it is carried out, and each WAIT at its beginning and end, even if its
+    condition is fulfilled at once. Between two legs, no reported state says that the program has ended.
     """
     made = world(robot)
     made.operation.outputs = {"M2": "LAMP"}
@@ -139,7 +139,7 @@ def test_dwells_count(robot):
     assert run.duration == run.lasting.most == pytest.approx(6.5)
     since = made.now
     assert made.perform(perform(made.operation, run)).done == pytest.approx(6.5)
-    # the last one, too, though nothing moves in it
+    # The dwell of the last leg is executed, although the leg contains no motion.
     assert made.now - since > 6.5
     told = progress(made)
     for one in told:
@@ -147,7 +147,7 @@ def test_dwells_count(robot):
     done = np.array([one.done for one in told])
     times = np.array([one.time for one in told])
     assert (np.diff(done) >= -1e-9).all()
-    # it goes on in a dwell as the clock does
+    # During a dwell, the progress increases with the clock.
     late = times - done
     assert np.ptp(late[(done > 0.2) & (done < 6.4)]) < 0.4
 
@@ -194,7 +194,8 @@ def test_ways_count_the_longer_one(robot):
     told = progress(made)
     for one in told:
         assert one.done + one.left == pytest.approx(6.0)
-    # both begin at once: after one second of the shorter one, five are left
+    # Both branches begin at 1 s. The shorter one ends at 2 s, and progress then jumps to the end of the
+    # longer one at 5 s.
     assert not any(2.1 < one.done < 4.9 for one in told)
 
 
@@ -268,7 +269,7 @@ def test_outputs_are_safe_while_the_operator_is_waited_for(robot):
 
 
 def test_an_output_that_was_set_in_a_blend_comes_back_after_a_hold(robot):
-    """It is set in step with a move (M1==1), not at rest."""
+    """In a blend, the output is set in step with a move (M1==1), not at rest."""
     made = world(robot)
     run = job(
         robot, f"P10 {OUT} BLEND 4", "P20 SET GLUE ON", "P30 MOVEJ 40 0 0 0 0 0 [2] (deg,s)", f"P40 {OUT}"
@@ -361,17 +362,17 @@ PROGRAM = (
 @pytest.mark.parametrize(
     "change",
     [
-        ("M2=1\n", ""),  # an output is left out
+        ("M2=1\n", ""),  # an output is missing
         ("M2=1\n", "M2=0\n"),
         ("M2=1\n", "M2=1\nM2=1\n"),
         ("DWELL1000\n", "DWELL100\n"),
         ("DWELL1000\n", ""),
-        ("STOP\n", "DWELL0\n"),  # a barrier that isn't one
+        ("STOP\n", "DWELL0\n"),  # a barrier is missing
         (" M11=1 5 ", " M11=0 5 "),
         (" M11=1 5 ", " M11=1 50 "),
         (" wait ", " hold "),
-        ("M1=0\nENDIF", "M1=1\nENDIF"),  # the safe value
-        ("DWELL0\nM2=1", "M2=1"),  # while the robot moves
+        ("M1=0\nENDIF", "M1=1\nENDIF"),  # another value than the safe one
+        ("DWELL0\nM2=1", "M2=1"),  # set while the robot moves
     ],
 )
 def test_the_certificate_refuses_another_flow(robot, change):
@@ -393,3 +394,77 @@ def test_a_part_never_begins_or_ends_inside_a_when(robot):
         refused = part(program.plan, request, first, last)
         assert refused.value is None
         assert [one.code for one in refused.diagnostics] == ["Y1164"]
+
+
+@pytest.mark.parametrize(
+    "wait",
+    [
+        ("P20 WAIT DOOR ON [5] (s)",),
+        ("P20 WAIT DOOR > 0 [5] (s)",),
+        ("P20 WAIT DOOR ON [5] (s) ELSE", "END"),
+        ("WHILE DOOR OFF", "END"),
+    ],
+)
+def test_a_hold_during_a_wait(robot, wait):
+    """A person holds during a wait: the robot doesn't move although the input comes, outputs have their safe
+    values, and the time limit doesn't run. The program goes on after a resume.
+    """
+    made, seen = world(robot), []
+
+    def look():
+        seen.append((value(made, "M1"), joints(made, robot)[0]))
+
+    orders = made.operation.orders
+    made.at += [
+        (made.now + 3.0, lambda: orders.extend((Resume(), Hold()))),
+        (made.now + 4.0, lambda: made.machine.command("M11=1", 7)),
+        (made.now + 12.0, look),
+        (made.now + 13.0, lambda: orders.append(Resume())),
+        (made.now + 13.5, look),
+    ]
+    lines = (f"P10 {OUT}", "P15 SET GLUE ON", *wait, f"P40 {HOME}")
+    ended = made.perform(perform(made.operation, job(robot, *lines)))
+    assert ended.well, ended
+    (held, there), (glue, under_way) = seen
+    assert (held, glue) == (0.0, 1.0)
+    assert there == pytest.approx(20.0, abs=1e-3)
+    assert under_way < 19.9
+    assert any("held " in one.why for one in made.told if isinstance(one, Changed))
+
+
+def test_a_wait_after_a_hold(robot):
+    """After a resume the wait continues, and its time limit runs from there."""
+    made = world(robot)
+    orders = made.operation.orders
+    made.at += [
+        (made.now + 3.0, lambda: orders.append(Hold())),
+        (made.now + 13.0, lambda: orders.append(Resume())),
+    ]
+    lines = (f"P10 {OUT}", "P20 WAIT DOOR ON [5] (s)", f"P40 {HOME}")
+    ended = made.perform(perform(made.operation, job(robot, *lines)))
+    assert (ended.well, ended.code) == (False, "Y1604")
+    assert made.now == pytest.approx(1.0 + 5.0 + 10.0, abs=1.5)
+    whys = [one.why for one in made.told if isinstance(one, Changed)]
+    assert whys.count("P0020 WAIT waits for DOOR to be ON") == 2
+
+
+@pytest.mark.parametrize("wait", ["WAIT DOOR ON", "WAIT DOOR > 0", 'HOLD "look"'])
+def test_a_host_that_slept_in_a_wait(robot, wait):
+    """The host sleeps for long while the program waits. Neither the input, which comes meanwhile, nor an
+    order to continue that was given meanwhile moves the robot: somebody may be near it by now.
+    """
+    made, seen = world(robot), []
+    since, orders = made.now, made.operation.orders
+    made.stall_at = [(since + 3.0, 60.0)]
+    made.at += [
+        (since + 20.0, lambda: made.machine.command("M11=1", 7)),
+        (since + 21.0, lambda: orders.append(Resume())),
+        (since + 62.9, lambda: orders.append(Resume())),
+        (since + 80.0, lambda: seen.append(joints(made, robot)[0])),
+        (since + 81.0, lambda: orders.append(Resume())),
+    ]
+    ended = made.perform(perform(made.operation, job(robot, f"P10 {OUT}", f"P20 {wait}", f"P40 {HOME}")))
+    assert ended.well, ended
+    assert seen == [pytest.approx(20.0, abs=1e-3)]
+    assert made.now > since + 81.0
+    assert any("is ignored" in getattr(one, "text", "") for one in made.told)

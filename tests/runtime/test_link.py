@@ -1,4 +1,6 @@
-"""Measuring a link: round trips, lines a second, and how the controller counts a line that it refuses."""
+"""Tests of measuring a link: round-trip times, lines per second, and how the controller counts a refused
+line.
+"""
 
 import pytest
 from runtime.virtual import World, well_behaved
@@ -50,7 +52,7 @@ def test_nothing_that_means_anything_is_written(machine):
 
 
 def test_an_open_buffer_stores_nothing_of_it(machine):
-    """Of a run that has died on this port."""
+    """The measurement stores no line in a buffer that an aborted run has left open on this port."""
     robot, controller = machine
     world = World(controller)
     for line in ("&1DEFINE ROT 100", "B0", "OPEN ROT"):

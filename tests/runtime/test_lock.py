@@ -1,4 +1,6 @@
-"""The lock of a controller: one for the machine, whoever asks, in whatever environment, by whatever name."""
+"""Tests of the lock of a controller. There is one lock on the computer, for all users, environments and host
+names.
+"""
 
 import contextlib
 import errno
@@ -19,7 +21,7 @@ from yarclang.runtime.transports.private import ControlError
 from yarclang.runtime.transports.runs import find_runs
 
 NOBODY = 65534
-"""A user that every Linux has."""
+"""Id of a user that exists on each Linux."""
 
 HOLD = """
 import encodings.idna, os, sys, tempfile, time
@@ -39,7 +41,7 @@ as_root = pytest.mark.skipif(os.getuid() != 0, reason="only root can start a pro
 
 @contextlib.contextmanager
 def held(*user, **options):
-    """A process of its own that holds the lock, of another user if one is given."""
+    """Run a process that holds the lock, as another user if one is given."""
     command = [sys.executable, "-c", HOLD, "127.0.0.1", *map(str, user)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, **options) as process:
         try:
@@ -50,7 +52,7 @@ def held(*user, **options):
 
 
 def refused(host="127.0.0.1", port=1025):
-    """Try to take the lock, which must fail; the error."""
+    """Try to take the lock, which must fail. Return the error."""
     with pytest.raises(ControlError) as found, controller_lock(host, port):
         pass
     return found.value
@@ -58,7 +60,7 @@ def refused(host="127.0.0.1", port=1025):
 
 @contextlib.contextmanager
 def bound(listens, host="127.0.0.1"):
-    """A process that has the lock's name, and isn't one of ours: bound, or listening without a word."""
+    """Bind the lock's name as a process other than yarclang: only bound, or listening without a reply."""
     with contextlib.ExitStack() as stack:
         for name in lock._names(host, 1025):
             wire = stack.enter_context(socket.socket(socket.AF_UNIX))
@@ -71,7 +73,7 @@ def bound(listens, host="127.0.0.1"):
 def test_two_runs_cannot_drive_a_controller():
     with controller_lock("127.0.0.1", 1025):
         for name in ("127.0.0.1", "localhost", "LOCALHOST", "127.1", "::ffff:127.0.0.1", "0.0.0.0"):
-            with pytest.raises(ControlError, match=f"process {os.getpid()} .* drives {name}:1025 already"):
+            with pytest.raises(ControlError, match=f"process {os.getpid()} .* already drives {name}:1025"):
                 controller_lock(name, 1025).__enter__()
         with controller_lock("127.0.0.1", 1026), controller_lock("127.0.0.2", 1025):
             pass
@@ -80,7 +82,7 @@ def test_two_runs_cannot_drive_a_controller():
 
 
 def resolves(monkeypatch, **names):
-    """Names of hosts with their addresses."""
+    """Make host names resolve to given addresses."""
     resolve = socket.getaddrinfo
 
     def found(host, port, **options):
@@ -153,8 +155,8 @@ def test_of_two_addresses_neither_stays_locked_where_the_other_is_taken(monkeypa
 def test_the_kernel_gives_the_lock_of_a_killed_run_back():
     with held() as other:
         error = refused()
-        assert error.what.startswith(f"process {other.pid} on this computer drives 127.0.0.1:1025 already")
-        assert "`yarc stop` it" in error.remedy
+        assert error.what.startswith(f"process {other.pid} on this computer already drives 127.0.0.1:1025")
+        assert "with `yarc stop`" in error.remedy
         other.send_signal(signal.SIGKILL)
         other.wait(10)
         with controller_lock("127.0.0.1", 1025):
@@ -162,7 +164,9 @@ def test_the_kernel_gives_the_lock_of_a_killed_run_back():
 
 
 def test_another_runtime_folder_is_the_same_lock(tmp_path):
-    """Before, two shells with two XDG_RUNTIME_DIR could drive one robot."""
+    """Another runtime folder gives the same lock. (Formerly, two shells with different XDG_RUNTIME_DIR could
+    drive one robot.)
+    """
     for name in ("one", "two"):
         (tmp_path / name).mkdir(0o700)
     for variables in (
@@ -184,7 +188,7 @@ def test_another_user_has_the_same_lock():
     with held(NOBODY) as other:
         error = refused()
         assert (
-            f"process {other.pid} on this computer drives 127.0.0.1:1025 already (user nobody, " in error.what
+            f"process {other.pid} on this computer already drives 127.0.0.1:1025 (user nobody, " in error.what
         )
         assert error.remedy == "wait for its end, or ask its user to end it"
         assert find_runs() == ()
@@ -192,7 +196,7 @@ def test_another_user_has_the_same_lock():
         command = [sys.executable, "-c", HOLD, "localhost", str(NOBODY)]
         tried = subprocess.run(command, capture_output=True, text=True, check=False)
         assert (
-            f"process {os.getpid()} on this computer drives localhost:1025 already (user root, "
+            f"process {os.getpid()} on this computer already drives localhost:1025 (user root, "
             in tried.stderr
         )
 
@@ -206,7 +210,7 @@ def test_who_holds_it_is_told():
         assert found.is_ours
         assert before - 2 < found.since.timestamp() < time.time() + 1
         assert f"since {found.since:%Y-%m-%d %H:%M}" in refused().what
-        for _ in range(100):  # more than may wait
+        for _ in range(100):  # more requests than the queue of connections allows
             assert holder_of("127.0.0.1", 1025).peer == found.peer
 
 
@@ -215,18 +219,20 @@ def test_a_process_that_sleeps_holds_it():
         other.send_signal(signal.SIGSTOP)
         begun = time.monotonic()
         assert f"process {other.pid} " in refused().what
-        for _ in range(40):  # until nobody else may wait
+        for _ in range(40):  # until the queue of connections is full
             with contextlib.suppress(OSError), socket.socket(socket.AF_UNIX) as wire:
                 wire.settimeout(0.01)
                 wire.connect(lock._names("127.0.0.1", 1025)[0])
-        assert "a process on this computer drives" in refused().what
+        assert "a process on this computer already drives" in refused().what
         assert time.monotonic() - begun < 5.0
         other.send_signal(signal.SIGCONT)
 
 
 @pytest.mark.parametrize("listens", [False, True])
 def test_a_name_that_is_taken_by_something_else(listens):
-    """It can keep us from the controller, and is named as far as it is known; it can't keep us waiting."""
+    """Another program that has taken the lock's name prevents us from using the controller. The error names
+    this program as far as possible, and comes without a wait.
+    """
     with bound(listens):
         begun = time.monotonic()
         error = refused()
@@ -276,7 +282,7 @@ def test_whatever_a_holder_says_of_itself_harms_nobody(answer):
         speaking = threading.Thread(target=speak, daemon=True)
         speaking.start()
         error = refused()
-        assert f"process {os.getpid()} on this computer drives 127.0.0.1:1025 already" in error.what
+        assert f"process {os.getpid()} on this computer already drives 127.0.0.1:1025" in error.what
         assert "\x1b" not in error.what
         assert find_runs() == ()
         wire.shutdown(socket.SHUT_RDWR)
@@ -292,7 +298,9 @@ def test_locks_of_another_name_space_are_others(monkeypatch):
 
 
 def test_names_that_another_user_holds_keep_no_order_waiting(monkeypatch):
-    """A stop must find its run at once, however many silent processes of others have names like locks."""
+    """An order to stop finds its run at once, even if many silent processes of other users have bound similar
+    names.
+    """
     with contextlib.ExitStack() as stack:
         for number in range(100):
             wire = stack.enter_context(socket.socket(socket.AF_UNIX))
@@ -324,7 +332,7 @@ def test_callers_without_end_cost_the_holder_little():
         after = time.thread_time(), time.process_time()
         caller.kill()
         others = (after[1] - before[1]) - (after[0] - before[0])
-    assert others < 0.2  # of a second
+    assert others < 0.2  # [s]
     with controller_lock("127.0.0.1", 1025):
         pass
 

@@ -1,4 +1,4 @@
-"""The log of a run: what stands in it, and that nothing that happens to it happens to the robot."""
+"""Tests of the log of a run: its content, and that no failure of the log affects the robot."""
 
 import json
 import os
@@ -47,8 +47,8 @@ SCENE = {"/transforms", "/robot"}
 
 
 def messages(path):
-    """Topic, time of logging, content of all messages, as another reader has them; without those of a
-    scene.
+    """Return topic, log time and content of all messages, as read by another library. Messages of the scene
+    are left out.
     """
     with path.open("rb") as stream:
         found = make_reader(stream, validate_crcs=True).iter_messages(log_time_order=False)
@@ -67,7 +67,7 @@ def test_other_readers_find_what_was_told(tmp_path, job):
     t = ANCHOR.clock
     log = opened(tmp_path / "a.mcap", job)
     log.begin(job)
-    log.take(Changed(t + 0.5, State.HOLD, "a hold was asked for"))
+    log.take(Changed(t + 0.5, State.HOLD, "hold requested"))
     log.take(Progress(t + 1.0, 2.0, 7.0, "P0010 MOVEJ_LSPB", 1))
     log.take(Remark(t + 1.5, "careful", warning=True))
     log.take(Remark(t + 1.6, "all well"))
@@ -85,7 +85,7 @@ def test_other_readers_find_what_was_told(tmp_path, job):
             wall,
             {"time_s": 0.0, "job": job.name, "offset_s": 0.0, "duration_s": job.duration, "of_program": True},
         ),
-        ("/state", wall + 500_000_000, {"time_s": 0.5, "state": "hold", "why": "a hold was asked for"}),
+        ("/state", wall + 500_000_000, {"time_s": 0.5, "state": "hold", "why": "hold requested"}),
         (
             "/progress",
             wall + 1_000_000_000,
@@ -154,7 +154,7 @@ def test_the_wall_clock_of_a_simulator_that_hurries(tmp_path, job):
     assert content["time_s"] == 40.0
 
 
-# places
+# file names
 
 
 def test_names(tmp_path, monkeypatch, job):
@@ -211,7 +211,7 @@ def test_a_log_never_overwrites(tmp_path, job):
     assert log.path == tmp_path / "a-2.mcap"
 
 
-# failures
+# errors of the disk
 
 
 def test_a_full_disk_at_the_beginning(tmp_path, job):
@@ -232,7 +232,7 @@ def test_nothing_is_left_of_a_log_that_could_not_begin(tmp_path, job, monkeypatc
 
 
 class Disk:
-    """A file that has room for so many bytes, and may make one wait."""
+    """A file on a disk with limited space. It can also make writers wait."""
 
     def __init__(self, path, room):
         self.file, self.room = path.open("wb"), room
@@ -344,14 +344,14 @@ def cut(path):
 @pytest.mark.parametrize(
     ("harm", "said"),
     [
-        (removed, "isn't there any more"),
-        (moved, "isn't there any more"),
-        (folder_removed, "isn't there any more"),
-        (folder_moved, "isn't there any more"),
-        (folder_replaced, "isn't there any more"),
-        (replaced, "is another file now"),
-        (copied_over, "is another file now"),
-        (linked, "isn't there any more"),
+        (removed, "doesn't exist any more"),
+        (moved, "doesn't exist any more"),
+        (folder_removed, "doesn't exist any more"),
+        (folder_moved, "doesn't exist any more"),
+        (folder_replaced, "doesn't exist any more"),
+        (replaced, "is a different file now"),
+        (copied_over, "is a different file now"),
+        (linked, "doesn't exist any more"),
     ],
 )
 @pytest.mark.parametrize("full", [False, True])
@@ -369,7 +369,7 @@ def test_a_log_that_is_gone_is_lost(tmp_path, job, harm, said, full):
         disk.room = 0
     log.close(Ended(True))
     assert said in log.loss
-    assert log.problem.startswith(f"the log is lost: {path} {said}")
+    assert log.problem.startswith(f"the run log can't be used any more: {path} {said}")
 
 
 def test_a_log_that_was_cut_is_lost(tmp_path, job):
@@ -380,7 +380,7 @@ def test_a_log_that_was_cut_is_lost(tmp_path, job):
     assert log.problem == ""
     size = log.path.stat().st_size
     cut(log.path)
-    assert log.lost(size) == f"was cut during the run: 0 of {size:,} bytes are left"
+    assert log.lost(size) == f"was truncated during the run: 0 of {size:,} bytes are left"
 
 
 def test_a_log_that_was_moved_and_linked_to_is_found(tmp_path, job):
@@ -432,7 +432,7 @@ def test_a_disk_that_never_answers_is_given_up(tmp_path, job, monkeypatch):
     disk.may_write.clear()
     log.take(Changed(ANCHOR.clock, State.MOVE, ""))
     log.close()
-    assert log.failure == "the disk hasn't answered for 0.05 s"
+    assert log.failure == "the disk hasn't responded for 0.05 s"
     disk.may_write.set()
 
 
@@ -446,7 +446,7 @@ def test_a_bug_ends_the_log_and_is_told(tmp_path, job):
 
 
 def wait_for(condition):
-    until = time.monotonic() + 40.0  # a busy computer is no failure
+    until = time.monotonic() + 40.0  # long enough for a busy computer
     while not condition():
         assert time.monotonic() < until
         time.sleep(0.005)
@@ -467,8 +467,8 @@ for number in range(1000):
 
 
 def test_a_process_that_is_killed_loses_a_second_at_most(tmp_path):
-    """kill -9 in the middle; the last numbers that it told us of are at most so many behind those in the
-    log.
+    """If the process is killed with kill -9, the log lacks at most the last second of what the process has
+    reported.
     """
     path = tmp_path / "a.mcap"
     tests = str(Path(__file__).parents[1])
@@ -492,7 +492,9 @@ def test_a_process_that_is_killed_loses_a_second_at_most(tmp_path):
 
 
 def test_a_run_on_the_simulated_controller(tmp_path, job):
-    """Through the runtime, in virtual time: the states, and positions that end where the program does."""
+    """The log of a run on the simulator, in virtual time, has the states, and positions that end at the
+    program's end.
+    """
     machine = commissioned(job.robot, settings_text(job.robot))
     world = World(machine)
     log = RunLog.open(tmp_path, job, "sim", version="0", anchor=Anchor(world.now, 0))
@@ -515,7 +517,7 @@ def test_a_run_on_the_simulated_controller(tmp_path, job):
     assert run.outcome.well
     assert run.actual[-1] == pytest.approx(job.end, abs=1e-3)
     tracking = tracking_of(run, planned_motion(run).value)
-    # a count is some 4e-5 deg
+    # One count is about 4e-5 deg.
     assert np.rad2deg(np.abs(tracking.off_path).max()) < 1e-4
     assert tracking.times[-1] == pytest.approx(job.duration, abs=0.1)
 

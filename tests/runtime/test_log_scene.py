@@ -1,5 +1,5 @@
-"""The robot in a run's log: read back by another reader, as Foxglove's schemas want it. No viewer has
-opened it here.
+"""Tests of the robot's scene in a run's log. Another library reads the messages, and they fit Foxglove's
+schemas. No viewer opens them here.
 """
 
 import base64
@@ -24,7 +24,7 @@ from yarclang.runtime.log_scene import EACH, LoggedScene, scene_schemas
 from yarclang.runtime.sample import Sample
 from yarclang.transforms import quaternion_rotation
 
-# The fields of the schemas that Foxglove publishes (foxglove/schemas, jsonschema).
+# Fields of the schemas that Foxglove publishes (foxglove/schemas, jsonschema).
 TRANSFORM = {"timestamp", "parent_frame_id", "child_frame_id", "translation", "rotation"}
 ENTITY = {
     *("timestamp", "frame_id", "id", "lifetime", "frame_locked", "metadata", "arrows", "cubes"),
@@ -39,7 +39,7 @@ PRIMITIVES = {
 
 
 def fits(value, schema, path="$"):
-    """Check a value against a JSON schema: types, bounds, and no field missing or beyond it."""
+    """Check a value against a JSON schema: types, limits, and exactly the fields of the schema."""
     match schema["type"]:
         case "object":
             assert isinstance(value, dict), path
@@ -72,8 +72,8 @@ def pose_of(said):
 
 
 def placed(message):
-    """base_from_frame of all frames of a message; each parent comes before its children, and no frame
-    twice.
+    """Return base_from_frame of all frames in a message. Check that each frame comes once, after
+    its parent.
     """
     found = {"B": np.eye(4)}
     for one in message["transforms"]:
@@ -85,8 +85,8 @@ def placed(message):
 
 @pytest.fixture(scope="module")
 def read(tmp_path_factory):
-    """The messages of a run's log by topic, as another reader has them, with the names and schemas of
-    topics.
+    """Fixture: the messages of a run's log by topic, as read by another library, with the names and schemas
+    of the topics.
     """
     path, _ = whole(tmp_path_factory.mktemp("run") / "a.mcap", *made())
     found, schemas = {}, {}

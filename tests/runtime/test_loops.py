@@ -1,5 +1,5 @@
-"""Loops on the simulator: passes, ways out of them, what people order in between, and what is known of the
-last pass.
+"""Tests of loops on the simulator: passes, exits, orders of users during a loop, and the steps that are known
+from the last pass.
 """
 
 import time
@@ -171,7 +171,7 @@ def test_a_loop_that_moves_nothing_looks_again_and_again_and_takes_its_time(robo
     made, ended = performed(robot, *WAITS, at=[(2.0, "M11=1")])
     assert ended.well
     assert value(made, "M2") == 3
-    # what is the same in each pass is told once
+    # Messages that are equal in each pass are reported only once.
     assert len([one for one in remarks(made) if "WHILE" in one]) == 2
 
 
@@ -198,8 +198,8 @@ def test_a_hold_in_a_loop_holds_where_it_begins_anew(robot):
 
 
 def test_of_a_stopped_run_the_last_pass_is_known(robot):
-    """What was done in the passes before is as if it hadn't been: the loop found all as in front of its
-    first one.
+    """In a stopped run, only the steps of the last pass are known. Each pass finds everything as the first
+    pass did, so the earlier passes need not be known.
     """
     made = world(robot)
     lines = (
@@ -222,7 +222,7 @@ def test_of_a_stopped_run_the_last_pass_is_known(robot):
     ended = made.perform(perform(made.operation, run))
     assert not ended.well
     assert ended.ways[0] is True
-    # of the passes that are over no way is left
+    # The branches of completed passes aren't stored any more.
     assert ended.ways[1:] in ((), (False,))
     assert dict(ended.registers)["K"] >= 1
 
@@ -257,7 +257,7 @@ def test_a_stop_in_a_later_pass_rests_on_its_path(robot):
     assert ended.command.startswith("P090")
     assert State.STOP in [one.state for one in made.told if isinstance(one, Changed)]
     assert np.degrees(ended.joints)[0] == pytest.approx(joints(made, robot)[0], abs=1e-2)
-    # one way leads there, along the first joint
+    # The robot is on its path, which leads along the first joint.
     assert -1e-3 <= joints(made, robot)[0] <= 20.0 + 1e-3
     assert np.abs(joints(made, robot)[1:]).max() < 1e-3
 
@@ -270,7 +270,7 @@ def test_a_wait_that_is_given_up_goes_the_way_of_its_else(robot):
     assert dict(ended.registers)["N"] == 1
     assert ended.ways == (False,)
     assert value(made, "M2") == 3
-    assert any("M11 is OFF: the lines after its ELSE are carried out" in one for one in remarks(made))
+    assert any("M11 is OFF: the lines after its ELSE are executed" in one for one in remarks(made))
     made, ended = performed(robot, *lines, at=[(1.0, "M11=1")])
     assert ended.well
     assert dict(ended.registers)["N"] == 0
@@ -303,9 +303,9 @@ def test_a_hold_that_asks_goes_on_with_an_answer(robot):
     assert value(made, "M2") == 3
     told = [one.text for one in made.told if isinstance(one, Remark) and one.warning]
     assert told == [
-        "P0900 HOLD: no answer, and it asks for a number from 0 to 9",
-        "P0900 HOLD: the answer 12, and it asks for a number from 0 to 9",
-        "P0900 HOLD: the answer -1, and it asks for a number from 0 to 9",
+        "P0900 HOLD: no answer, but a number from 0 to 9 is needed",
+        "P0900 HOLD: the answer 12, but a number from 0 to 9 is needed",
+        "P0900 HOLD: the answer -1, but a number from 0 to 9 is needed",
     ]
     asked = [one.asks for one in made.told if isinstance(one, Changed) and one.asks]
     assert asked == [Question("how many?", "N", 0, 9)]

@@ -1,4 +1,4 @@
-"""OFFSET {PART} X DX ...: the lines are planned and proved where registers have shifted the frame, or
+"""Tests of OFFSET {PART} X DX ...: the lines are planned and proved with the frame shifted by registers, or
 refused before anything moves.
 """
 
@@ -54,7 +54,7 @@ NAMES = ("DX", "DY", "DZ", "TURN")
 
 
 def held(job, values):
-    """A job whose registers begin with other values."""
+    """Return a job whose registers begin with other values."""
     first = dict(zip(NAMES, values, strict=True))
     return replace(
         job, registers=tuple(replace(one, first=first.get(one.name, one.first)) for one in job.registers)
@@ -62,7 +62,7 @@ def held(job, values):
 
 
 def made(values, text=PROGRAM, *, known=True, touch=1, **options):
-    """A world in front of a job whose registers hold some values."""
+    """Return a world before the run, the job, whose registers have given values, and the compiled program."""
     value, found = compiled(text)
     assert value is not None, found
     job = held(job_of_compiled(value, "test"), values)
@@ -119,8 +119,8 @@ BOX = st.tuples(*(st.integers(-high, high) for high in (3000, 3000, 1000, 2000))
 @settings(max_examples=12)
 @given(BOX, st.floats(0.0, 0.003), st.integers(0, 2**32))
 def test_anywhere_in_the_box(tally, values, delay, seed):
-    """The frame comes to the shifted place, along the path that was proved; all else is as without a
-    shift.
+    """The frame reaches the shifted position along the proved path. All other motions are as without
+    a shift.
     """
     world, job, value = made(values, record=True, delay=delay, seed=seed)
     ended = run(world, job)
@@ -147,7 +147,7 @@ def test_anywhere_in_the_box(tally, values, delay, seed):
     off = path_of(meant.plan).distance(
         world.machine.positions(np.arange(since, until, 0.02), job.robot.controller.motors)
     )
-    assert off < 1.0  # counts; a shift is thousands
+    assert off < 1.0  # [counts]; a shift would be thousands
     assert [one.kind for one in world.told if isinstance(one, Planned)] == ["offset"]
     assert '"certified": true' in down.certificate or down.certificate
 
@@ -175,8 +175,8 @@ def test_a_value_out_of_its_range_moves_nothing(values, text):
         assert not ended.well
         assert world.operation.state is State.STOP
         assert (
-            "nothing has moved; Enter or `yarc resume` tries it with what the registers are then"
-            in world.words
+            "nothing has moved; try again with Enter or `yarc resume`, with the values that the "
+            "registers have then" in world.words
         )
     else:
         assert ended.well
@@ -189,8 +189,8 @@ OUTSIDE = BARE.replace("-3000..3000 0\n", "-3000..3000 0 OUTSIDE\n", 1).replace(
 
 
 def test_without_an_else_it_holds_with_the_reason_until_it_can_be_done():
-    """Resumed with the same values it holds again; with others, which came from outside meanwhile, it
-    moves.
+    """Without ELSE, an impossible shift holds the run with a reason. Resumed with the same values, it holds
+    again. Resumed with new values from outside, it moves.
     """
     world, job, _ = made(
         (9999, 0, 0, 0), OUTSIDE.replace("OUTPUT LAMP M1", "OUTPUT LAMP M1 OFF"), record=True
@@ -200,7 +200,7 @@ def test_without_an_else_it_holds_with_the_reason_until_it_can_be_done():
     world.order(Resume(), 21.0)
     ended = run(world, job)
     assert ended.well, ended
-    assert world.words.count("DX is 9999, and its range is -3000..3000") >= 2
+    assert world.words.count("DX is 9999, but its range is -3000..3000") >= 2
     assert [one[0].values for one in world.anew] == [(500, 0, 0, 0)]
     assert world.anew[0][2] >= 21.0
     assert at_its_end(world, job)
@@ -214,7 +214,7 @@ def test_what_cannot_be_planned_holds_as_well():
     assert not ended.well
     assert world.operation.state is State.STOP
     assert [one[0].values for one in world.anew] == [(0, 0, 299999, 0)] * 2
-    assert "it can't be done: P0020" in world.words
+    assert "the motions aren't possible: P0020" in world.words
 
 
 def test_a_place_out_of_reach_is_refused_with_its_command():
@@ -224,7 +224,7 @@ def test_a_place_out_of_reach_is_refused_with_its_command():
     ((_, answer, _),) = world.anew
     assert isinstance(answer, str)
     assert answer.startswith("P0020: ")
-    assert "it can't be done: P0020" in world.words
+    assert "the motions aren't possible: P0020" in world.words
     assert "refused" in world.words
 
 
@@ -257,7 +257,7 @@ def test_what_was_planned_does_what_the_text_does(lie):
     honest = world.replan
     world.replan = lambda wanted: lying(answer := honest(wanted), lie(answer.jobs))
     assert run(world, job).well
-    assert "other commands would move" in world.words
+    assert "the shift would change which commands are executed" in world.words
     assert world.say("M1") == ("0",)
 
 
@@ -282,14 +282,14 @@ def test_a_hold_and_a_resume(after):
 
 @pytest.mark.parametrize("fault", ["drop@2.05", "drop@2.6", "freeze@2.5", "reset@3.0"])
 def test_what_fails_in_between(fault):
-    """A connection or a controller that is lost: the run ends, and nothing goes on by itself."""
+    """If the connection or the controller is lost, the run ends, and nothing continues by itself."""
     world, job, _ = made((2000, 1000, 0, 700))
     world.spoil_by(fault)
     assert not run(world, job).well
 
 
 def test_a_part_that_was_not_gripped():
-    """The WAIT in the block ends the run where the robot stands, as everywhere."""
+    """A WAIT in the block that isn't fulfilled ends the run where the robot stands, like any other WAIT."""
     world, job, _ = made((500, 500, 0, 0), touch=0)
     ended = run(world, job)
     assert (ended.well, ended.code) == (False, "Y1604")
@@ -312,8 +312,8 @@ def test_a_loop_takes_new_values_in_each_pass():
 
 @pytest.mark.parametrize("does", ["stalls", "lies", "repeats"])
 def test_values_from_outside(does):
-    """Only what was asked for, in range, gets into the registers; a camera that stalls leads into the ELSE
-    of its WAIT.
+    """Registers get only values that were asked for and are in range. A camera that sends nothing leads to
+    the ELSE of the WAIT.
     """
     head = HEAD.replace("-3000..3000 0\n", "-3000..3000 0 OUTSIDE\n", 1)
     text = head + 'P0012 WAIT DX > -3000 [2] ELSE\n P0013 ABORT "stuck"\nEND\n' + BLOCK + ELSE + TAIL
@@ -333,7 +333,7 @@ def test_values_from_outside(does):
     if does == "stalls":
         assert (ended.well, ended.code) == (False, "Y1635")
         assert not world.anew
-    elif does == "lies":  # past the door, which refuses it: the second check is the OFFSET's own
+    elif does == "lies":  # the values bypass the check of the door, so the OFFSET's own check refuses them
         assert ended.well
         assert not world.anew
         assert "refused" in world.words
@@ -351,12 +351,14 @@ KEPT = PROGRAM.replace(
 
 @pytest.mark.parametrize(("lower", "is_refused"), [(0, False), (400, False), (600, True), (1000, True)])
 def test_a_rule_of_keep_holds_where_the_frame_is(lower, is_refused):
-    """The part lies 800 mm high: shifted down by more than 5 mm, the tool would come below the plane."""
+    """The part lies 5 mm above a plane that KEEP doesn't let the tool cross. A shift down by more
+    is refused.
+    """
     world, job, _ = made((0, 0, -lower, 0), KEPT)
     assert run(world, job).well
     ((_, answer, _),) = world.anew
     assert isinstance(answer, str) == is_refused
-    assert ("it can't be done: P0030" in world.words) == is_refused
+    assert ("the motions aren't possible: P0030" in world.words) == is_refused
 
 
 @pytest.mark.parametrize("of", ["PART", "BIN"])
@@ -408,7 +410,9 @@ def test_the_certificate_refuses_a_text_that_shifts_otherwise(change, industrial
 
 
 def test_the_judge_computes_a_shifted_pose_by_itself(industrial6):
-    """A goal that isn't where the told shift carries it is refused, whoever has computed it."""
+    """A goal that isn't where the reported shift carries it is refused: the judge computes shifted poses
+    itself.
+    """
     value, _ = compiled(PROGRAM)
     number = next(
         n for n, one in enumerate(value.plan.motions) if value.program.steps[one.step].origin.index == "P0020"
@@ -437,7 +441,7 @@ def test_the_judge_computes_a_shifted_pose_by_itself(industrial6):
 @settings(max_examples=30, deadline=None)
 @given(BOX)
 def test_goals_are_carried_rigidly(values):
-    """What a frame carries keeps its places in the frame; what it doesn't carry stays."""
+    """Goals in a shifted frame keep their places in the frame. All other goals stay."""
     value, _ = compiled(PROGRAM)
     steps = value.program.steps
     begin = next(n for n, one in enumerate(steps) if isinstance(one, When))
@@ -503,7 +507,7 @@ def test_the_frame_and_the_registers_are_part_of_the_program():
             other,
             other.replace("X DX Y DY", "X DY Y DX"),
             other.replace("OFFSET {PART}", "OFFSET {BIN}"),
-            # the same place in another frame isn't carried along
+            # a goal at the same place, but in another frame, isn't shifted
             other.replace(
                 "P0020 MOVEL 0 0 100 0 0 0 [60%] {PART}", "P0020 MOVEL 0 0 100 0 0 0 [60%] {OTHER}"
             ),

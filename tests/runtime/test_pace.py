@@ -1,5 +1,5 @@
-"""A controller whose time isn't that of this computer: a simulator at another rate is named, not its
-settings.
+"""Tests of a controller with another clock speed than this computer. The message names the simulator's rate,
+not the controller's settings.
 """
 
 import asyncio
@@ -14,7 +14,7 @@ from yarclang.simulator.network.embedded import EmbeddedSimulator
 
 
 def looked_at(rate):
-    """The errors of a look at a simulator that keeps to its own time, as `yarc sim --rate` does."""
+    """Return the errors of an inspection of a simulator with its own clock, as with `yarc sim --rate`."""
     robot, machine = robot_machine("INDUSTRIAL6", record=False)
 
     async def looked(port):

@@ -1,4 +1,6 @@
-"""What a process does so that a stop waits for nothing: all of it is undone, and nothing of it is needed."""
+"""Tests of the process's settings for prompt stops (priority, garbage collection, thread switching). All of
+them are undone afterwards, and none is required.
+"""
 
 import asyncio
 import gc
@@ -14,7 +16,7 @@ from yarclang.runtime.transports.promptness import prompt_thread, prompt_while_m
 
 @pytest.fixture
 def refused(monkeypatch):
-    """A user who may not go before others."""
+    """Refuse real-time scheduling, as for a user without the right to it."""
 
     def refuse(*_):
         raise PermissionError
@@ -24,7 +26,7 @@ def refused(monkeypatch):
 
 @pytest.fixture
 def given(monkeypatch):
-    """A user who may; what is asked of the system is kept, and not done."""
+    """Accept requests for real-time scheduling, and record them instead of executing them."""
     asked = []
     monkeypatch.setattr(
         os, "sched_setscheduler", lambda thread, _, param: asked.append((thread, param.sched_priority))
@@ -37,7 +39,7 @@ def test_what_is_changed_while_something_moves_is_changed_back():
     with prompt_while_moving():
         assert sys.getswitchinterval() < 0.001
         assert gc.get_threshold()[2] >= 1000
-        with prompt_while_moving():  # another robot
+        with prompt_while_moving():  # a second robot moves at the same time
             pass
         assert sys.getswitchinterval() < 0.001
     assert (sys.getswitchinterval(), gc.get_threshold()) == before[:2]
@@ -70,7 +72,9 @@ def test_a_system_that_knows_nothing_of_it_is_left_alone(refused, monkeypatch):
 
 
 def test_who_plans_is_not_kept_from_giving_way(given):
-    """A thread that plans goes before others as long as something moves, and behind the one that streams."""
+    """While a robot moves, a thread that plans has priority over ordinary threads, but not over the thread
+    that streams.
+    """
     number = threading.get_native_id()
     with prompt_thread():
         with shares_the_interpreter():

@@ -1,5 +1,5 @@
-"""The client's end of the Ethernet protocol: bytes of requests, replies in any chopping, and what isn't a
-reply.
+"""Tests of the client side of the Ethernet protocol: bytes of requests, replies that arrive in arbitrary
+pieces, and invalid replies.
 """
 
 import itertools
@@ -45,7 +45,7 @@ def chop(data: bytes, cuts: list[int]) -> list[bytes]:
 
 
 def events_of(request, replies: list[bytes], cuts: list[int] | None = None):
-    """The events and the bytes sent, where each further packet comes only when it has been asked for."""
+    """Return the events and the sent bytes. Each further packet arrives only after it was requested."""
     connection = Connection()
     sent = [connection.send(request, 0.0, 1.0)]
     events = []
@@ -125,7 +125,9 @@ def test_one_after_the_other():
 @pytest.mark.parametrize("size", [1398, 1399, 1400, 1401, 2799, 2800, 2801, 7000])
 @pytest.mark.parametrize("end", [b"\x06", b"\x07ERR006\r"])
 def test_long_replies_are_fetched(size, end):
-    """The end may be the last byte of a full packet, the first of the next, or anywhere between."""
+    """The end of a long reply may be the last byte of a full packet, the first byte of the next packet, or
+    anywhere in between.
+    """
     text = b"x" * (size - len(end) - 1) + b"\r" + end
     packets = packets_of(text)
     events, sent = events_of(ASK, packets)
@@ -173,11 +175,11 @@ def test_what_is_no_reply_loses_the_connection(request_, reply, reason):
 def test_more_than_the_reply(reply, cuts):
     events, _ = events_of(ASK, [reply], cuts)
     assert len(events) == 2
-    assert events[1] == Violation(None, "bytes that nobody asked for")
+    assert events[1] == Violation(None, "unexpected bytes")
 
 
 def test_bytes_without_a_request():
-    assert Connection().receive(b"\x06", 0.0) == (Violation(None, "bytes that nobody asked for"),)
+    assert Connection().receive(b"\x06", 0.0) == (Violation(None, "unexpected bytes"),)
 
 
 def test_one_request_at_a_time():
@@ -312,7 +314,9 @@ REQUESTS = st.sampled_from([request for request, _, _ in REPLIES])
 
 @given(REQUESTS, st.binary(max_size=3000), st.lists(st.integers(0, 3000), max_size=8))
 def test_random_bytes(request, data, cuts):
-    """No crash; at most one reply, and then at most one violation; the same whatever the chopping."""
+    """Random bytes cause no crash. They give at most one reply, followed by at most one violation, however
+    they are split.
+    """
     events, _ = events_of(request, [data])
     assert events == events_of(request, [data], cuts)[0]
     assert len(events) <= 2
@@ -328,4 +332,4 @@ def test_a_reply_without_end_ends():
         connection.outgoing()
         if events:
             break
-    assert events == (Violation(ASK, "a reply without end"),)
+    assert events == (Violation(ASK, "a reply that doesn't end"),)

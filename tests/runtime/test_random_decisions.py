@@ -1,7 +1,7 @@
-"""Programs with registers, ways and cases by chance, run on the simulator with inputs by chance: what is done
-is what the program says, step by step.
+"""Random programs with registers, branches and cases, run on the simulator with random inputs. They do step
+by step what the program says.
 
-What it says is computed here by itself, from the drawn tree and not from its text.
+The expected result is computed here from the drawn tree, independently of the program's text.
 """
 
 import random
@@ -44,32 +44,34 @@ WAITS = (
 
 
 class Ends(Exception):
-    """The program ends in a way, with a reason if it fails."""
+    """Raised where the program ends in a branch, with a reason if it fails."""
 
 
 class Leaves(Exception):
-    """The innermost loop is left."""
+    """Raised where the innermost loop is left."""
 
 
 class Returns(Exception):
-    """The SUB is left."""
+    """Raised where the SUB is left."""
 
 
 class Drawn:
-    """A program as it is drawn: lines, and a function that carries it out on a state."""
+    """Random program. Each part of it gives lines, and a function that executes the part on a state."""
 
     def __init__(self, chance):
         self.chance, self.index, self.marks, self.kinds = chance, 0, 0, set()
         self.in_a_way, self.in_a_loop, self.in_a_sub = 0, 0, False
         self.subs = []
-        """The lines of SUBs, which stand in front of all others."""
+        """Lines of the SUBs, which come before all other lines."""
 
     def number(self):
         self.index += 1
         return f"P{self.index:04d}"
 
     def block(self, depth):
-        """Lines and what they do: a function of the state and a list of marks that were passed."""
+        """Return the lines of a block, and a function of a state and a list, to which it adds the marks that
+        it passes.
+        """
         parts = [self.part(depth) for _ in range(self.chance.randint(1, 3) + (depth == 2))]
         lines = [line for some, _ in parts for line in some]
 
@@ -93,7 +95,7 @@ class Drawn:
         return getattr(self, kind)(depth)
 
     def mark(self, _):
-        """A motion there and back, and an output that tells that it was done."""
+        """Return a motion there and back, followed by an output that shows that the place was passed."""
         self.marks += 1
         mark, angle = self.marks, self.chance.randint(1, 9)
         lines = [
@@ -120,7 +122,7 @@ class Drawn:
         return [f"{self.number()} SET {name} = {text}"], carried_out
 
     def ends(self, _):
-        """The program ends in a way, somewhere: well, or with a reason."""
+        """Return lines that end the program in a branch, successfully or with a reason."""
         angle = self.chance.randint(1, 9)
         before, last = self.number(), self.number()
         reason = f"because of {last}" if self.chance.random() < 0.5 else ""
@@ -135,7 +137,7 @@ class Drawn:
         return lines, carried_out
 
     def say(self, _):
-        """The operator is told what a register holds at this place."""
+        """Return a SAY with the value of a register."""
 
         def carried_out(state, passed):
             state["said"].append(f"N is {state['N']}")
@@ -143,7 +145,7 @@ class Drawn:
         return [f'{self.number()} SAY "N is {{N}}"'], carried_out
 
     def wait(self, _):
-        """Nothing changes the inputs here, so that the condition holds at once or never."""
+        """Return a WAIT. Inputs don't change here, so its condition holds at once or never."""
         text, holds = self.chance.choice(WAITS)
 
         def carried_out(state, passed):
@@ -153,7 +155,7 @@ class Drawn:
         return [f"{self.number()} WAIT {text} [0.1] (s)"], carried_out
 
     def late(self, _):
-        """A WAIT that is given up, or whose condition holds at once."""
+        """Return a WAIT with ELSE, whose condition holds at once or never."""
         text, holds = self.chance.choice(WAITS)
         self.marks += 1
         mark = self.marks
@@ -203,7 +205,7 @@ class Drawn:
         return [f"{self.number()} RETURN"], carried_out
 
     def sub(self, depth):
-        """A SUB that is called where it is drawn; a RETURN may stand in its ways, and in those of its
+        """Return a call of a new SUB. A RETURN may be in the SUB's branches, and in the branches of its
         loops.
         """
         around, self.in_a_way, self.in_a_loop, self.in_a_sub = (self.in_a_way, self.in_a_loop), 0, 0, True
@@ -221,7 +223,7 @@ class Drawn:
         return [f"{self.number()} CALL {name}"], carried_out
 
     def body(self, depth):
-        """Lines of a loop; in the ways around it, EXIT and STOP stand in its own ways only."""
+        """Return the lines of a loop. EXIT and STOP may be only in branches within this loop."""
         around, self.in_a_way = self.in_a_way, 0
         self.in_a_loop += 1
         found = self.block(depth)
@@ -230,7 +232,7 @@ class Drawn:
         return found
 
     def counted(self, depth):
-        """As often as a register says in front of it."""
+        """Return a loop with as many passes as a register says before it."""
         lines, does = self.body(depth - 1)
 
         def carried_out(state, passed):
@@ -244,7 +246,7 @@ class Drawn:
         return ["REPEAT N", *lines, "END"], carried_out
 
     def loop(self, depth):
-        """LOOP or WHILE, of a few passes at most."""
+        """Return a LOOP or WHILE with at most a few passes."""
         name, most = f"K{depth}", self.chance.randint(1, 3)
         text, holds = self.chance.choice(CONDITIONS)
         is_while = self.chance.random() < 0.5

@@ -1,4 +1,4 @@
-"""docs/runtime.md draws the transition table of the code."""
+"""Test that docs/runtime.md shows the code's transition table."""
 
 import re
 from pathlib import Path

@@ -1,8 +1,8 @@
-"""MOVEL ... UNTIL TOUCH: the motion ends on its line where the input is found, and what follows is planned
-and proved from there.
+"""Tests of MOVEL ... UNTIL TOUCH. The motion ends on its line where the input changes, and the following
+motions are planned and proved from there.
 
-Usually 15 searches are drawn; YARCLANG_RANDOM_SEARCHES=1000 in the environment draws so many, some minutes of
-one core.
+Usually 15 searches are drawn; with YARCLANG_RANDOM_SEARCHES=1000 in the environment, that many, which takes
+some minutes of one core.
 """
 
 import os
@@ -50,14 +50,14 @@ ELSE = PROGRAM.replace(
     "INTO DEPTH ELSE\nP0025 MOVEL 0 1174.4 900 0 0 0 [1]\nP0026 MOVEL 0 1174.4 800 0 0 0 [1]\nEND\n",
 )
 BEGINS, ENDS = 2.0, 4.15
-"""When the line of the search is carried out [s]."""
+"""Times at which the line of the search begins and ends [s]."""
 COUNT = int(os.environ.get("YARCLANG_RANDOM_SEARCHES", "15"))
 REPLANNED = 0.05
-"""How long planning takes in the virtual world [s]."""
+"""Time that planning takes in virtual time [s]."""
 
 
 def made(text=PROGRAM, *, touch=0, known=True, **options):
-    """A world in front of a job that searches for M12; the value that was compiled."""
+    """Return a world before the run, a job that searches for M12, and the compiled program."""
     value, found = compiled(text)
     assert value is not None, found
     job = job_of_compiled(value, "test")
@@ -97,7 +97,9 @@ def at_its_end(world, job):
 @settings(max_examples=COUNT)
 @given(st.floats(0.0, 6.0), st.floats(0.0, 0.003), st.integers(0, 2**32))
 def test_a_touch_at_any_instant(tally, after, delay, seed):
-    """It rests on its line, as near as what was stated allows; all else is as without it."""
+    """The robot rests on its line, within the stated distance of the touch. All other motions are as without
+    the touch.
+    """
     world, job, value = made(record=True, delay=delay, seed=seed)
     robot, edge = job.robot, []
 
@@ -109,17 +111,17 @@ def test_a_touch_at_any_instant(tally, after, delay, seed):
     ended = run(world, job)
     tally.count("found", bool(world.anew))
     if not world.anew:
-        # it came behind the line, or too late to be seen
+        # The touch came after the line, or too late to be noticed.
         assert (ended.well, ended.code) == (False, "Y1635")
         return
     assert ended.well, ended
     assert at_its_end(world, job)
     ((wanted, answer),) = world.anew
-    # the line is proved, and braking goes along it
+    # The line is proved, and the robot brakes along it.
     assert path_of(value.plan).distance(to_counts(robot, wanted.joints)[None]) < 1.0
     came = np.linalg.norm(frame(robot, wanted.joints) - frame(robot, edge[0]))
     speed, hold = 0.1, robot.controller.hold_time
-    # an input that is as it shall be before ends the line where it begins
+    # If the input already has the wanted value, the search ends at the beginning of its line.
     assert answer.length < 1e-6 or came <= speed * (0.005 + 6.0 * delay + 0.007 + hold) + 1e-5
     begin = frame(robot, value.plan.motions[1].curve.points[0])
     assert answer.length == pytest.approx(np.linalg.norm(frame(robot, wanted.joints) - begin), abs=1e-6)
@@ -137,7 +139,7 @@ def test_what_follows_is_proved_before_it_moves():
     assert behind.start == pytest.approx(wanted.joints, abs=1e-5)
     assert '"certified": true' in behind.certificate or behind.certificate
     assert [one.index for one in behind.commands] == ["P0050"]
-    # up and down are one line
+    # The way down and the way up are the same line.
     assert moved_along(world, job, value.plan, since, step=0.05) < 1.0
     assert "TOUCH found" in world.words
     assert "SEARCH_1" not in world.words
@@ -193,7 +195,7 @@ def test_a_hold_on_the_line():
 
 @pytest.mark.parametrize("after", [0.0, 0.02, 0.2, 0.4])
 def test_a_hold_while_it_comes_to_rest(after):
-    """It is held until a person resumes, on the line or where it was found."""
+    """A hold during braking lasts until a user resumes, wherever the robot comes to rest."""
     world, job, _ = made()
     since = world.now
     world.do(lambda: world.say("M12=1"), 3.0)
@@ -269,7 +271,9 @@ def test_the_certificate_refuses_a_text_that_searches_otherwise(change, industri
 
 @pytest.mark.parametrize(("index", "alone"), [("P0020", True), ("P0060", False), ("P0070", False)])
 def test_what_is_streamed_with_others_is_never_ended(index, alone):
-    """P0060 and P0070 stand in one leg: an input that ends one of them would end both."""
+    """P0060 and P0070 are in one leg, so an input that ends one of them would end both. A forged certificate
+    for this is refused.
+    """
     program, found = compiled(PROGRAM + "P0070 MOVEJ 0 0 0 0 40 0 [2]\n")
     assert program is not None, found
     content = program.certificate.text
@@ -286,7 +290,7 @@ def test_step_by_step_a_search_goes_on_to_where_it_is_known_again():
 
 @pytest.mark.parametrize("fault", ["drop@3.05", "drop@3.3", "freeze@3.02", "reset@3.1"])
 def test_what_fails_while_it_comes_to_rest(fault):
-    """A connection or a controller that is lost just behind the touch: the run ends, and nothing goes on
+    """If the connection or the controller is lost just after the touch, the run ends, and nothing continues
     by itself.
     """
     world, job, _ = made()
@@ -299,8 +303,8 @@ def test_what_fails_while_it_comes_to_rest(fault):
 
 @pytest.mark.parametrize("place", ["P0030", "P0040", "P0050"])
 def test_no_run_begins_where_a_search_has_ended(place):
-    """That place is known only in the run that has found it: from where the robot stands the way to the
-    line's end may not be free.
+    """No run can begin with the motion after a search. Only the run with the search knows where it has ended,
+    and the way from the robot's position to the line's end may not be free.
     """
     value, _ = compiled(PROGRAM)
     number, step = beginning(value.plan, place)
@@ -323,6 +327,6 @@ def test_no_way_back_leads_to_the_end_of_a_search():
     assert [one.step.origin.index for one in known_behind_searches(motions)] == ["P0060"]
     assert known_behind_searches(motions[:3]) == []
     assert known_behind_searches(motions[:1]) == list(motions[:1])
-    # stopped on its line: that line leads back
+    # A search that was stopped on its line can be driven back along this line.
     stopped = passed(value.plan, value.plan.sample(np.array([3.0]))[0][0], 3.0)
     assert [one.step.origin.index for one in known_behind_searches(stopped)] == ["P0010", "P0020"]

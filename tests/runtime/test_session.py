@@ -1,5 +1,5 @@
-"""A run over a real connection: one packet in flight, stops at once, last words where a connection ends in
-motion.
+"""Tests of a run over a real connection: only one packet is in flight, stops are sent at once, and a hold is
+sent when a connection ends in motion.
 """
 
 import asyncio
@@ -13,22 +13,24 @@ from runtime.virtual import place_at, prepared, robot_machine, world_of
 from yarclang.pipeline.settings import items_of
 from yarclang.pmac.requests import Code
 from yarclang.robot.actuation import to_counts
+from yarclang.runtime import session as session_module
 from yarclang.runtime.actions import Trouble
-from yarclang.runtime.notices import Abort, Changed, Hold, Resume, Stop
+from yarclang.runtime.notices import Abort, Changed, Hold, Remark, Resume, Stop
+from yarclang.runtime.operation import WAKING
 from yarclang.runtime.pmac.performance import connect, look, perform
 from yarclang.runtime.session import Session
 from yarclang.runtime.state import State
 from yarclang.simulator.network.ethernet import PacketReader, Station
 
 PACE = 5.0
-"""The controller's time passes so much faster; by more, a loaded machine can't carry the program's lines
-in time.
+"""Speed of the controller's time relative to real time. With a higher speed, a busy computer can't send the
+lines in time.
 """
 
 
 class Controller(asyncio.Protocol):
-    """A machine on a port. `heard` has (connection, code, data, whether it came before the reply to the
-    one before).
+    """A machine on a port. `heard` has (connection, code, value, data, early); early is True if the request
+    came before the reply to the previous one.
     """
 
     def __init__(self, machine):
@@ -63,7 +65,7 @@ class Controller(asyncio.Protocol):
             await asyncio.sleep(0.005)
 
     def texts(self):
-        """What was heard, in words."""
+        """Return the received requests as text."""
         return [
             f"^{chr(value + 64)}" if code == Code.SENDCTRLCHAR else data.decode()
             for _, code, value, data, _ in self.heard
@@ -115,7 +117,7 @@ def controller(job):
 
 
 async def begun(session, job):
-    """Connected, looked at, and a task that performs the job, which moves already."""
+    """Connect, inspect, and begin a job. Return the task that performs it, when the robot moves."""
     operation = session.operation
     await session.perform(connect(operation))
     found = await session.perform(look(operation, job.robot, items_of(job.robot)))
@@ -167,7 +169,7 @@ def test_an_order_goes_out_right_behind_the_reply_that_is_awaited(controller, jo
 
     ended, heard = asyncio.run(run())
     assert ended.well == (order == Hold())
-    # behind the request that may be on its way already
+    # The order comes at the latest after a request that was already being sent.
     assert text in controller.texts()[heard : heard + 2]
     assert not any(early for *_, early in controller.heard)
 
@@ -188,7 +190,7 @@ def test_last_words_on_a_connection_whose_reply_is_missing(controller, job):
     assert "no reply" in ended.what
     assert ended.joints is not None
     first = next(n for n, text in enumerate(controller.texts()) if text == "^O")
-    # said on the old connection, and on the new one
+    # The hold was sent on the old connection, and on the new one.
     assert controller.heard[first][0] == 1
     last = controller.connections
     assert last >= 2
@@ -196,7 +198,7 @@ def test_last_words_on_a_connection_whose_reply_is_missing(controller, job):
 
 
 def test_a_session_that_is_closed_in_motion_holds(controller, job):
-    """A program of ours that fails must not leave a moving robot."""
+    """A session that is closed during a motion, for example because its program fails, holds the robot."""
 
     async def run():
         async with controller.served() as session:
@@ -224,8 +226,57 @@ def test_who_watches_and_fails_stops_the_run_on_its_path(controller, job):
 
     ended = asyncio.run(run())
     assert not ended.well
-    assert "what watches this run has failed: ZeroDivisionError" in ended.what
+    assert "an internal observer of this run has failed: ZeroDivisionError" in ended.what
     assert "&1H" in controller.texts()
+
+
+def test_a_computer_that_was_suspended(controller, job, monkeypatch):
+    """The lid of the computer was closed: its clock stood still meanwhile, but a person has to resume."""
+    off = [7.0]
+    monkeypatch.setattr(session_module, "switched_off", lambda: off[0])
+
+    async def run():
+        async with controller.served() as session:
+            task = await begun(session, job)
+            off[0] += 60.0
+            while session.operation.state is State.MOVE and not task.done():
+                await asyncio.sleep(0.005)
+            session.order(Resume())  # it was given while nobody could see the robot
+            await asyncio.sleep(0.6)
+            state = session.operation.state
+            session.order(Resume())
+            ended = await task
+            session.close()
+            return state, ended
+
+    state, ended = asyncio.run(run())
+    assert state is State.HOLD
+    assert ended.well
+
+
+def test_an_order_for_the_next_step_that_came_during_a_suspension(monkeypatch):
+    off = [7.0]
+    monkeypatch.setattr(session_module, "switched_off", lambda: off[0])
+
+    async def run():
+        session = Session("127.0.0.1", 1)
+        told = []
+        session.listen(told.append)
+        waiting = asyncio.ensure_future(session.order_given(Resume))
+        await asyncio.sleep(0.05)
+        off[0] += 60.0
+        session.order(Resume())
+        await asyncio.sleep(0.1)
+        session.order(Resume())
+        await asyncio.sleep(WAKING + 0.1)
+        ignored = not waiting.done()
+        session.order(Resume())
+        await asyncio.wait_for(waiting, 5.0)
+        return ignored, told
+
+    ignored, told = asyncio.run(run())
+    assert ignored
+    assert sum("is ignored" in one.text for one in told if isinstance(one, Remark)) == 2
 
 
 def test_nobody_at_the_address():
@@ -241,7 +292,7 @@ def test_nobody_at_the_address():
 
 
 def test_the_wire_is_the_same_as_in_virtual_time(controller, job):
-    """What the other tests look at is what a session sends."""
+    """A session sends the same requests as the virtual connection of the other tests."""
 
     async def run():
         async with controller.served() as session:

@@ -1,5 +1,5 @@
-"""The transition table: a stop is legal everywhere, every state can be reached and left, and nothing else
-is possible.
+"""Tests of the transition table: a stop is allowed in all states, each state can be reached and left, and no
+other transition is possible.
 """
 
 import itertools
@@ -15,7 +15,7 @@ LEGAL = {(state, event) for state, events in TRANSITIONS.items() for event in ev
 
 
 def reached_from(state):
-    """All states that some events lead to."""
+    """Return all states that can be reached from a state."""
     found = {state}
     while more := {after(at, event) for at, event in LEGAL if at in found} - found:
         found |= more

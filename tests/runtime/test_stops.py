@@ -1,5 +1,5 @@
-"""Holds, stops, aborts, the override: at any moment, with any delays. A stop lands at rest on the path, at
-once.
+"""Tests of holds, stops, aborts and the override at any moment and with any delays. After a stop the robot
+rests on its path without delay.
 """
 
 import numpy as np
@@ -40,7 +40,7 @@ def run(world, job):
 
 
 def lands(world, job, ended):
-    """It stands still, and where it is said to stand."""
+    """Check that the robot stands still, and at the reported position."""
     stands = world.stands(job.robot)
     world.machine.advance(2.0)
     world.now = world.machine.now
@@ -49,7 +49,7 @@ def lands(world, job, ended):
 
 
 def goes_again(world, job):
-    """A new run is possible, by an approach."""
+    """Check that a new run is possible, after an approach."""
     world.at.clear()
     world.stall_at.clear()
     if world.operation.state is State.FAULT:
@@ -76,7 +76,7 @@ def test_whatever_is_ordered_whenever(tally, orders, tm, delay, stalls, seed):
     since = world.now
     for after, order in orders:
         world.order(order, after)
-    # nobody waits for ever
+    # Make sure that every run ends.
     for after in (7.0, 9.0, 12.0):
         world.order(Override(100.0), after)
         world.order(Resume(), after)
@@ -110,7 +110,8 @@ def test_a_stop_is_on_the_path_of_the_examples(robot, at):
     assert moved_along(world, job, plan, since + 0.5, step=0.02) < 1.0
     (command,) = [each for each in job.commands if each.begins <= ended.done < each.ends]
     assert (ended.command, ended.command_index) == (command.title, command.index)
-    # at rest within the hold's time: it stands where the plan is half of that later
+    # The robot brakes within the hold time, on average at half of its speed. So on the plan it is half of the
+    # hold time further than at the order to stop.
     assert ended.done == pytest.approx(at, abs=0.5)
     goes_again(world, job)
 
@@ -134,7 +135,7 @@ def test_an_abort_is_at_rest_within_what_ixx15_takes(at):
 
 
 def test_an_abort_overtakes_a_stop():
-    """While the robot comes to rest on its path."""
+    """An abort is executed even while the robot brakes on its path after a stop."""
     job, _ = prepared(tm=10)
     world = world_of(job)
     world.order(Stop(), 1.0)
@@ -199,7 +200,9 @@ def test_a_long_hold_refills_and_goes_on():
 
 
 def test_the_robot_stands_before_anything_else_is_asked_in_a_hold():
-    """A resume right behind a hold: R only at rest, and no variable before."""
+    """If a resume follows a hold at once, R is sent only when the robot is at rest, and nothing else is
+    requested before.
+    """
     job, _ = prepared(tm=5)
     world = world_of(job)
     world.order(Hold(), 1.0)
@@ -224,7 +227,7 @@ def test_before_the_motion_every_stop_ends_the_run(order):
 
 
 def test_an_order_between_two_jobs_stops_the_second():
-    """An approach has ended, and somebody says stop: the program doesn't begin."""
+    """A stop between the approach and the program prevents the program."""
     job, _ = prepared(tm=20)
     world = world_of(job)
     assert run(world, job).well
@@ -232,7 +235,7 @@ def test_an_order_between_two_jobs_stops_the_second():
     asked = len(world.asked)
     assert run(world, job).what == "stopped on its path"
     assert "R" not in world.asked[asked:]
-    # and it is done with
+    # The stop applies only once.
     assert run(world, job).well
 
 
@@ -285,7 +288,7 @@ def test_lines_are_fed_during_a_hold():
 
 
 def test_an_abort_behind_a_stop_is_told():
-    """The stop was on the path, and what came then wasn't."""
+    """An abort after a stop is reported: the robot has left its path."""
     job, _ = prepared(tm=5)
     world = world_of(job, record=True, seed=0)
     world.order(Stop(), 1.0)

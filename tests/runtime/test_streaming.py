@@ -1,5 +1,5 @@
-"""Streaming: loading, feeding, low water, the end; what it refuses before anything moves, and what ends
-it.
+"""Tests of streaming: loading, feeding, low buffer, the end, refusals before anything moves, and events that
+end a run.
 """
 
 from dataclasses import replace
@@ -38,7 +38,7 @@ ROBOTS = ("INDUSTRIAL6", "TRACKED_MANIPULATOR")
 
 
 def run(world, job, **options):
-    """Perform a job; what holds for every run is looked at."""
+    """Perform a job, and check what holds for each run."""
     ended = world.perform(perform(world.operation, job), **options)
     well_behaved(world)
     assert not world.moving
@@ -46,7 +46,7 @@ def run(world, job, **options):
 
 
 def at_its_end(world, job):
-    """To a count."""
+    """Return True if the robot is at the job's end, to one count."""
     return np.abs(world.stands(job.robot) - to_counts(job.robot, job.end)).max() <= 1.0
 
 
@@ -54,7 +54,7 @@ def written(world):
     return [line for sent in world.sent if isinstance(sent.request, Write) for line in lines_of(sent.request)]
 
 
-# to the end
+# runs to the end
 
 
 @pytest.mark.parametrize("robot", ROBOTS)
@@ -69,9 +69,9 @@ def test_the_examples_run_to_their_end(robot, tm):
     assert ended.joints == pytest.approx(job.end)
     assert ended.done == pytest.approx(job.duration)
     assert world.states[-3:] == [State.INIT, State.MOVE, State.STOP]
-    # each line once, in order, by an open buffer, several packets a PR where that is of use
+    # Each line was sent once and in order, into an open buffer.
     assert tuple(written(world)) == job.lines
-    assert "low water" not in world.words
+    assert "buffer low" not in world.words
     assert world.say("P8100") == ("0",)
     assert world.say("&1%") == ("100",)
     assert world.now - since == pytest.approx(job.duration, abs=1.5)
@@ -88,7 +88,7 @@ def test_several_packets_go_behind_one_pr():
     prefill = requests[first : next(n for n, request in enumerate(requests) if asks_flow(request))]
     assert len(prefill) > 5
     assert all(isinstance(request, Write) for request in prefill)
-    # all that fits is loaded before it begins
+    # Before the motion begins, as many lines are loaded as fit.
     assert sum(len(lines_of(request)) for request in prefill) == job.capacity
 
 
@@ -141,7 +141,7 @@ def test_what_is_told_on_the_way():
 def test_a_program_that_fits_is_loaded_whole():
     job, _ = prepared("P0010 MOVEJ_LSPB 5 0 0 0 0 0 [1] (deg,s)\n", tm=50)
     assert job.fits
-    # with a link that would be too slow for more
+    # This link would be too slow for a job that doesn't fit into the buffer.
     world = world_of(job, delay=lambda: 0.3)
     assert run(world, job).well
     first = world.asked.index("R")
@@ -151,7 +151,7 @@ def test_a_program_that_fits_is_loaded_whole():
 
 
 def test_two_groups_of_motors(tmp_path):
-    """Motors 5 to 10: more than ^B, ^F and ^P tell of at once."""
+    """A robot on motors 5 to 10, which a single ^B, ^F or ^P doesn't report."""
     robot, world = robot_with(tmp_path, range(5, 11))
     made = compile_module(parse(SourceFile("two groups", SHORT)).value, Request(robot, tm=20)).value
     job = job_of_compiled(made, "two groups")
@@ -170,7 +170,7 @@ def test_two_groups_of_motors(tmp_path):
     assert world.stands(robot) == pytest.approx(stands)
 
 
-# the pace
+# pace
 
 
 def test_ten_seconds_at_tm_5_with_up_to_20_ms_a_reply():
@@ -189,7 +189,7 @@ def test_ten_seconds_at_tm_5_with_up_to_20_ms_a_reply():
 
     world.spoil = spoil
     assert run(world, job).well
-    assert "low water" not in world.words
+    assert "buffer low" not in world.words
     assert len(job.lines) > 2000
     assert len(ahead) > 100
     assert min(ahead) > feed.plenty
@@ -214,7 +214,7 @@ def test_override(percent):
 
 
 def test_an_override_stays_for_the_next_job():
-    """The next pass of a loop isn't faster than what people have asked for."""
+    """The next job, such as the next pass of a loop, keeps the override that the user has ordered."""
     job, _ = prepared(tm=20)
     world = world_of(job)
     world.order(Override(50), 1.0)
@@ -236,7 +236,7 @@ def test_an_override_of_somebody_else_is_undone_before_the_motion():
     assert world.now - began > job.duration
 
 
-# refused before anything moves
+# refusals before any motion
 
 
 def never_began(world, job, words):
@@ -261,7 +261,7 @@ def test_a_link_that_is_too_slow(delay, words):
 
 @pytest.mark.parametrize("tm", [5, 10, 20])
 def test_a_link_that_was_found_fast_enough_is(tm):
-    """Near the limit: refused, or no low water."""
+    """With a delay near the limit, a job is refused, or the buffer never runs low."""
     job, _ = prepared(tm=tm)
     outcomes = set()
     reserve = (job.capacity - Feed(job).low) * job.segment
@@ -272,7 +272,7 @@ def test_a_link_that_was_found_fast_enough_is(tm):
         if not ended.well:
             assert "the link carries" in ended.what or "ms are allowed" in ended.what, ended
         else:
-            assert "low water" not in world.words, delay
+            assert "buffer low" not in world.words, delay
         outcomes.add(ended.well)
     assert outcomes == {True, False}
 
@@ -319,7 +319,7 @@ def test_a_controller_that_counts_other_lines():
     job, _ = prepared(tm=20)
     world = world_of(job)
     world.spoil = lambda request, reply: with_ahead(reply, b"17") if asks_flow(request) else reply
-    never_began(world, job, f"counts 17 lines in its buffer, of {job.capacity} that were sent")
+    never_began(world, job, f"counts 17 lines in its buffer, but only {job.capacity} were sent")
 
 
 def test_a_line_of_the_preparation_that_is_refused():
@@ -337,7 +337,7 @@ def test_a_rotary_that_is_smaller_than_was_asked_for():
         "DEFINE ROT 100" if line.startswith("DEFINE ROT") else line for line in loading_of(job).setup
     )
     ended = never_began(world, replace(job, own=replace(loading_of(job), setup=setup)), "ERR006")
-    assert "though there should be" in ended.what
+    assert "although there should be" in ended.what
 
 
 def test_nothing_is_begun_in_a_fault():
@@ -362,7 +362,9 @@ def test_nothing_is_begun_in_a_fault():
 @pytest.mark.parametrize("robot", ROBOTS)
 @pytest.mark.parametrize("tm", [5, 20, 50])
 def test_a_host_that_stood_still_for_seconds(robot, tm):
-    """The guard PLC holds; the host refills and goes on: the path is unharmed."""
+    """While the host stands still, the guard PLC holds the motion. The host then refills the buffer and
+    continues on the path.
+    """
     job, plan = example_of(robot, tm=tm)
     world = world_of(job, record=True, delay=0.005)
     since = world.now
@@ -372,8 +374,8 @@ def test_a_host_that_stood_still_for_seconds(robot, tm):
     assert at_its_end(world, job)
     assert tuple(written(world)) == job.lines
     assert moved_along(world, job, plan, since + 0.5, step=0.03) < 1.0
-    # whichever comes first
-    assert "received nothing from this computer for 0.4 s" in world.words or "low water" in world.words
+    # Either message may come first.
+    assert "received nothing from this computer for 0.4 s" in world.words or "buffer low" in world.words
     held = world.states[world.states.index(State.MOVE) :]
     assert held == [State.MOVE, State.HOLD, State.MOVE, State.STOP]
     assert any(isinstance(notice, Remark) and notice.warning for notice in world.told)
@@ -381,7 +383,9 @@ def test_a_host_that_stood_still_for_seconds(robot, tm):
 
 @pytest.mark.parametrize("asleep", [12.0, 300.0])
 def test_a_host_that_slept_for_long_waits_for_a_person(asleep):
-    """Somebody may stand at the robot by now: it stays held until it is resumed."""
+    """After a long sleep of the host, the motion stays held until a user resumes, because somebody may be at
+    the robot by now.
+    """
     job, plan = prepared(tm=5)
     world = world_of(job, record=True, delay=0.005)
     since = world.now
@@ -402,8 +406,50 @@ def test_a_host_that_slept_for_long_waits_for_a_person(asleep):
     assert moves[1] == pytest.approx(1.0 + asleep + 20.0, abs=0.5)
 
 
+def test_an_order_to_continue_that_came_during_a_long_sleep():
+    """A user has held the motion, and orders to continue while the host sleeps. Minutes later, when the host
+    wakes up, this order moves nothing: the user may be at the robot by now.
+    """
+    job, _ = prepared(tm=5)
+    world = world_of(job, delay=0.005)
+    since, stands = world.now, []
+    world.order(Hold(), 1.0)
+    world.stall_at = [(since + 3.0, 300.0)]
+    world.order(Resume(), 10.0)
+    world.order(Resume(), 303.2)
+    world.do(lambda: stands.append(world.moving), 303.5)
+    world.order(Resume(), 320.0)
+    ended = run(world, job)
+    assert ended.well, ended
+    assert stands == [False]
+    assert world.now - since > 320.0
+    assert "is ignored, because it was given while this process was suspended" in world.words
+
+
+@pytest.mark.parametrize("line", ["CLEAR", "R"])
+def test_a_host_that_slept_before_the_motion(line):
+    """The host sleeps after the checks, before the motion begins: it begins only after a resume."""
+    job, _ = prepared(tm=20)
+    world = world_of(job)
+    since = []
+
+    def spoil(request, reply):
+        if not since and getattr(request, "line", "") == line:
+            since.append(world.now)
+            world.stall_at = [(world.now, 60.0)]
+            world.order(Resume(), 90.0)
+        return reply
+
+    world.spoil = spoil
+    assert run(world, job).well
+    assert world.now - since[0] > 90.0
+    assert at_its_end(world, job)
+
+
 def test_a_host_that_slept_through_the_end():
-    """All lines were in; the watchdog has held, and who looks first says that it goes on."""
+    """The host sleeps after it has sent all lines. The watchdog has held the motion, and the motion continues
+    only after a resume.
+    """
     job, _ = prepared(tm=50)
     world = world_of(job)
     since = world.now
@@ -426,19 +472,20 @@ def test_the_host_holds_before_the_guard_does():
         return reply
 
     world.spoil = spoil
-    # so late that fewer lines are ahead than the host wants, and more than the guard does
+    # When the host wakes up, fewer lines are buffered than the host wants, but more than the guard PLC
+    # requires.
     world.stall_at = [
         (since + 1.0, (job.capacity - (loading_of(job).low + Feed(job).low) / 2.0 - 22) * job.segment)
     ]
     assert run(world, job).well
     assert loading_of(job).low < ahead[0] < Feed(job).low + 4
-    assert "low water" in world.words
+    assert "buffer low" in world.words
     assert moved_along(world, job, plan, since) < 1.0
 
 
 @pytest.mark.parametrize("left", [15, 40, 60, 80, 140, 190])
 def test_a_stall_when_few_lines_are_left(left):
-    """Fewer than the guard wants: it must not hold for ever."""
+    """Fewer lines remain than the guard PLC requires. The PLC mustn't hold the motion for ever."""
     job, plan = prepared(tm=5)
     world = world_of(job, record=True)
     since = world.now
@@ -455,11 +502,11 @@ def test_many_stalls():
     world.stall_at = [(since + 1.0 + 2.5 * n, 1.5) for n in range(4)]
     assert run(world, job).well
     assert moved_along(world, job, plan, since) < 1.0
-    assert world.words.count("received nothing from this computer") + world.words.count("low water:") >= 3
+    assert world.words.count("received nothing from this computer") + world.words.count("buffer low:") >= 3
 
 
 def test_a_person_who_holds_meanwhile_is_heard():
-    """The refilled program doesn't go on by itself."""
+    """If a user orders a hold in the meantime, the refilled program doesn't continue by itself."""
     job, plan = prepared(tm=5)
     world = world_of(job, record=True)
     since = world.now
@@ -484,12 +531,12 @@ def test_without_a_guard_a_stall_ends_in_an_underrun():
     world.stall_at = [(world.now + 1.0, 3.0)]
     ended = run(world, job)
     assert not ended.well
-    assert "underrun: the rotary ran dry with" in ended.what
+    assert "underrun: the rotary buffer ran dry with" in ended.what
     assert "guard PLC" in ended.remedy
     assert ended.command == job.commands[1].title
     assert world.operation.state is State.FAULT
     assert ended.joints == pytest.approx(joints(world, job))
-    # nothing was sent behind the gap
+    # No line was sent after the missing one.
     assert len(written(world)) < len(job.lines)
     world.say("ENABLE PLC 29")
     goes_again(world, job)
@@ -508,7 +555,7 @@ def goes_again(world, job):
     assert at_its_end(world, job)
 
 
-# somebody else at the same controller
+# another client at the same controller
 
 
 def test_somebody_else_holds_and_nobody_goes_on_but_a_person():
@@ -518,15 +565,17 @@ def test_somebody_else_holds_and_nobody_goes_on_but_a_person():
     world.do(lambda: world.say("&1H"), 1.0)
     world.order(Resume(), 6.0)
     assert run(world, job).well
-    assert "held or slowed down, and not by this run" in world.words
-    assert "somebody else uses this controller" in world.words
+    assert "held or slowed down, but not by this run" in world.words
+    assert "another client uses this controller" in world.words
     assert world.states[-4:] == [State.MOVE, State.HOLD, State.MOVE, State.STOP]
     assert world.now - since > 6.0 + 3.0
     assert moved_along(world, job, plan, since) < 1.0
 
 
 def test_a_guard_that_holds_although_lines_are_ahead():
-    """By a disturbance of its flag: it is as if the buffer had run low."""
+    """The guard PLC holds although enough lines are buffered, because its flag was changed. The run continues
+    as after a low buffer.
+    """
     job, plan = prepared(tm=5)
     world = world_of(job, record=True)
     since = world.now
@@ -556,7 +605,9 @@ def test_somebody_else_ends_the_program(what):
 
 
 def test_somebody_else_closes_all_buffers():
-    """The rotary is open only within a packet: nothing is lost."""
+    """Another terminal sends CLOSE ALL. The rotary buffer is open only within a packet, so no line
+    is lost.
+    """
     job, _ = prepared(tm=5)
     world = world_of(job)
     for after in (1.0, 1.5, 2.0):
@@ -573,7 +624,7 @@ def test_somebody_else_has_a_buffer_open():
     ended = run(world, job)
     assert not ended.well
     assert "refuses 'OPEN ROT': ERR007" in ended.what
-    assert "CLOSE it there" in ended.remedy
+    assert "CLOSE the buffer there" in ended.remedy
     assert moved_along(world, job, plan, since) < 1.0
     world.say("CLOSE")
     goes_again(world, job)
@@ -592,17 +643,19 @@ def test_somebody_else_moves_the_robot_during_a_hold():
 
 
 def test_an_end_at_another_place_is_a_fault():
-    """The controller has lost the last line."""
+    """If the robot ends at another position than planned, because the controller has lost the last line, this
+    is a fault.
+    """
     job, _ = prepared(tm=20)
     world = world_of(job)
     wrong = replace(job, end=job.end + 1e-3)
     ended = run(world, wrong)
     assert not ended.well
     assert "the program has ended" in ended.what
-    assert "counts (motor" in ended.what
+    assert "counts from its last point (motor" in ended.what
 
 
-# refused in WRITEBUFFER, in motion
+# refusals in WRITEBUFFER during motion
 
 
 @pytest.mark.parametrize("error", [3, 5, 6])
@@ -614,7 +667,7 @@ def test_a_line_that_is_refused_in_motion(error, line):
 
     def spoil(request, reply):
         if isinstance(request, Write) and world.now > since + 1.0:
-            return bytes((line + 1, 0, error, 0x80))  # OPEN ROT is the first
+            return bytes((line + 1, 0, error, 0x80))  # the first line of the packet is OPEN ROT
         return reply
 
     world.spoil = spoil
@@ -625,7 +678,7 @@ def test_a_line_that_is_refused_in_motion(error, line):
     number = sum(map(len, sent[:-1])) + line
     assert f"refuses line {number} of the motion, {job.lines[number - 1]!r}" in ended.what
     assert ended.command == job.commands[0].title
-    # at rest on the path: H, not a buffer that runs dry
+    # The robot rests on its path because of a hold (H), not by an empty buffer.
     assert "&1H" in world.asked
     assert moved_along(world, job, plan, since) < 1.0
     world.spoil = lambda request, reply: reply

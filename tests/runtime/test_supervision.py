@@ -1,5 +1,5 @@
-"""What somebody else changes while a program runs holds it, is named, and must be put back; and a host
-that dies leaves a robot at rest.
+"""Tests of changes that another terminal makes while a program runs. The run is held, and the change is named
+and must be undone. Also tests of a host that dies: the robot comes to rest.
 """
 
 import numpy as np
@@ -17,7 +17,7 @@ from yarclang.runtime.pmac.supervision import patience_for, wound_up
 from yarclang.runtime.state import State
 
 AT = 1.3
-"""When somebody else does something, in the run [s]."""
+"""Time of the change in the run [s]."""
 
 AT_ONCE = {
     "a faster pace": ("&1%200", "", "the override was 100 %, and is 1", 0.1),
@@ -25,8 +25,8 @@ AT_ONCE = {
     "the guard's flag": ("P8100=0", "", "P8100, was 1, and is 0", 0.1),
     "the guard's flag, something else": ("P8100=7", "", "P8100, was 1, and is 7", 0.1),
     "the watchdog's flag": ("P8104=0", "", "P8104, was 1, and is 0", 0.1),
-    "the guard PLC": ("DISABLE PLC 29", "ENABLE PLC 29", "PLC 29, the guard, doesn't run", 0.16),
-    "the feedback PLC": ("DISABLE PLC 0", "ENABLE PLC 0", "PLC 0, the feedback, doesn't run", 0.1),
+    "the guard PLC": ("DISABLE PLC 29", "ENABLE PLC 29", "PLC 29, the guard, has stopped", 0.16),
+    "the feedback PLC": ("DISABLE PLC 0", "ENABLE PLC 0", "PLC 0, the feedback, has stopped", 0.1),
     "all PLCs": ("I5=0", "I5=3", "I5 (foreground and background PLCs run) was 3, and is 0", 0.16),
 }
 WITHIN_A_SECOND = {
@@ -46,7 +46,9 @@ LATER = {
 
 
 def disturbed(line, *, within, orders=(), **options):
-    """A run that somebody else disturbs; the world, when it was held, and what was said then."""
+    """Perform a run that another terminal disturbs. Return the world, the time of the hold, and the messages
+    at this time.
+    """
     job, plan = prepared(tm=5)
     world = world_of(job, record=True, **options)
     since = world.now
@@ -75,7 +77,7 @@ def test_what_decides_over_the_motion_is_seen_with_the_next_question(what):
     world, ended = disturbed(line, within=within, orders=[*undone, (5.0, Resume())])
     assert ended.well, ended
     (warning,) = [text for text in said(world) if words in text]
-    assert "somebody else uses this controller" in warning
+    assert "another client uses this controller" in warning
     assert world.states[-4:] == [State.MOVE, State.HOLD, State.MOVE, State.STOP]
     assert world.say("&1%") == ("100",)
 
@@ -98,7 +100,9 @@ def test_definitions_are_compared_by_turns(what):
 
 
 def test_another_guard_is_seen():
-    """Its text was read at the look, and is read again by turns."""
+    """A changed text of the guard PLC is noticed. The text was read at the inspection, and is read again from
+    time to time.
+    """
     job, _ = prepared(tm=5)
     world = world_of(job)
 
@@ -112,11 +116,11 @@ def test_another_guard_is_seen():
     with pytest.raises(AssertionError, match="too long"):
         world.perform(perform(world.operation, job), within=12.0)
     assert world.operation.state is State.HOLD
-    assert any("PLC 29 is another one than before" in text for text in said(world))
+    assert any("PLC 29 has changed" in text for text in said(world))
 
 
 def test_nothing_moves_if_it_was_changed_since_the_look():
-    """At a prompt, hours may lie between the look and the motion."""
+    """Nothing moves if a setting has changed since the inspection, which may have been hours before."""
     job, _ = prepared(tm=5)
     world = world_of(job)
     world.say("I115=0.01")
@@ -171,14 +175,16 @@ def test_who_resumes_what_is_held_is_held_again():
 
 
 def test_a_jog_in_a_hold_is_stopped():
-    """H doesn't touch it: the second time, all motors are."""
+    """A jog from another terminal during a hold is stopped. H doesn't affect a jog, so the second attempt
+    stops all motors.
+    """
     job, _ = prepared(tm=5)
     world = world_of(job)
     world.order(Hold(), 1.0)
     world.do(lambda: world.say("#1J+"), 2.0)
     ended = world.perform(perform(world.operation, job), within=30.0)
     assert not ended.well
-    assert "a hold doesn't stop it" in ended.what
+    assert "a second hold doesn't stop it" in ended.what
     assert not world.moving
 
 
@@ -197,7 +203,7 @@ def test_a_stop_stops_a_jog_too(order):
 
 @pytest.mark.parametrize("flags", [("P8100=2",), ("P8104=2",), ("P8100=2", "P8104=2")])
 def test_flags_without_a_hold_are_held(flags):
-    """Somebody else may write the flags that the guard writes when it has held."""
+    """If another terminal sets the flags that the guard PLC sets after a hold, the motion is held."""
     job, plan = prepared(tm=5)
     world = world_of(job, record=True)
     since = world.now
@@ -214,12 +220,14 @@ def test_a_limit_that_somebody_has_moved_is_named_when_a_motor_meets_it():
     world.do(lambda: world.say("I113=1"), AT)
     ended = world.perform(perform(world.operation, job))
     assert not ended.well
-    assert "motor 1: it was stopped at the positive limit" in ended.what
+    assert "motor 1: it was stopped by the positive limit" in ended.what
     assert "I113 (positive software limit, counts) was 4340581, and is 1" in ended.what
 
 
 def test_pace_and_flags_of_our_own_alarm_nobody():
-    """Overrides in haste, holds, a guard that is armed and disarmed: nothing of it is somebody else's."""
+    """The runtime's own changes cause no alarm: rapid overrides, holds, arming and disarming the
+    guard PLC.
+    """
     job, _ = prepared(tm=5)
     world = world_of(job, delay=0.01)
     for number, percent in enumerate((50, 100, 10, 70, 30, 100, 60, 100)):
@@ -228,24 +236,24 @@ def test_pace_and_flags_of_our_own_alarm_nobody():
         world.order(Hold(), after)
         world.order(Resume(), after + 0.4)
     assert world.perform(perform(world.operation, job)).well
-    assert not any("somebody else" in text for text in said(world))
+    assert not any("another client" in text for text in said(world))
 
 
 def test_holds_of_the_guard_near_the_end_are_nobody_elses():
-    """Once all lines are in, the guard is disarmed when the motion goes on; it stays so, however often the
-    watchdog holds then.
+    """When all lines are sent, the guard PLC is disarmed as soon as the motion continues. It stays disarmed,
+    even if the watchdog of the controller holds the motion several times after that.
     """
     job, _ = prepared(tm=5)
     world = world_of(job)
     for held in (3.5, 4.3):
         world.do(lambda: world.say("P8104=2"), held)
     assert world.perform(perform(world.operation, job), within=20.0).well
-    assert not any("somebody else" in text for text in said(world))
+    assert not any("another client" in text for text in said(world))
     assert world.states.count(State.HOLD) == 2
 
 
 def test_nobody_waits_for_somebody_who_is_not_there():
-    """Without a terminal, on a simulator of our own: a hold that only a person could resume ends the run."""
+    """Without a terminal, on a simulator of its own, a hold that only a user could resume ends the run."""
     job, _ = prepared(tm=5)
     world = world_of(job)
     world.operation.unattended = True
@@ -270,14 +278,14 @@ def test_a_motor_that_somebody_homes_ends_the_run():
     assert "motor 2: it isn't homed any more" in ended.what
 
 
-# the host's death
+# death of the host
 
 
 @exercises(moving=0.5)
 @settings(max_examples=50)
 @given(st.floats(0.05, 4.4), st.sampled_from([5, 50]))
 def test_a_host_that_dies_leaves_a_robot_at_rest_within_a_second(tally, at, tm):
-    """kill -9 or SIGSTOP: no byte comes any more."""
+    """After kill -9 or SIGSTOP of the host, no byte arrives any more. The robot rests within a second."""
     job, plan = prepared(tm=tm)
     world = world_of(job, record=True)
     since = world.now
@@ -291,7 +299,7 @@ def test_a_host_that_dies_leaves_a_robot_at_rest_within_a_second(tally, at, tm):
     assert not world.moving
     assert moved_along(world, job, plan, since) < 1.0
     world.now = world.machine.now
-    # whoever comes next ends what is left of it
+    # The next client ends the rest of the motion.
     again = World(world.machine)
     again.perform(connect(again.operation))
     again.perform(end_what_runs(again.operation, job.robot, abort=False))
@@ -334,15 +342,17 @@ def test_the_watchdog_is_wound_up_in_servo_cycles(industrial6):
     assert cycles == pytest.approx(np.ceil(2**23 / 3713.707), abs=1)
 
 
-# lines that were changed on their way
+# lines that were changed in transit
 
 
 @exercises(changed=0.6, found=0.1)
 @settings(max_examples=30)
 @given(st.integers(0, 2**31), st.sampled_from([5, 20, 50]))
 def test_one_changed_digit_of_a_line_is_found_before_it_leads_far(tally, seed, tm):
-    """It is seen with the next look at the positions, if it leads off the path by more than the following
-    error; a single point of 5 ms may lie between two looks, and one that jumps far trips its motor before."""
+    """A changed digit is noticed at the next report of the positions, if it leads off the path by more than
+    the following error. A single point of 5 ms may be between two reports. A point far away trips its motor
+    first.
+    """
     job, plan = prepared(tm=tm)
     world = world_of(job, record=True)
     since, changed = world.now, []
@@ -369,11 +379,12 @@ def test_one_changed_digit_of_a_line_is_found_before_it_leads_far(tally, seed, t
     if not changed:
         return
     away = moved_along(world, job, plan, since, step=0.005)
-    found = "off the path that was proved" in ended.what
+    found = "off the proved path" in ended.what
     tally.count("found", found)
     assert found or ended.well or "ended" in ended.what or "following error" in ended.what, ended
     if ended.well and tm > 5:
-        assert away < 1000.0, (away, changed)  # 0.04 deg, at some speed: within the following error
+        # 0.04 deg, which is within the following error of a moving motor
+        assert away < 1000.0, (away, changed)
     assert not world.moving
 
 
@@ -388,12 +399,12 @@ def test_lines_of_somebody_else_in_the_rotary_are_found():
     world.do(meddle, AT)
     ended = world.perform(perform(world.operation, job))
     assert not ended.well
-    words = ("in reply to PR", "off the path", "following error")  # whichever comes first
+    words = ("in reply to PR", "off the path", "following error")  # any of them may come first
     assert any(one in ended.what for one in words), ended.what
 
 
 def test_the_paths_of_all_examples_are_on_their_course():
-    """No alarm where all is well: with couplings, BLENDs, dwells, arcs, and other paces."""
+    """Correct programs cause no alarm: with couplings, BLENDs, dwells, arcs, and other overrides."""
     for robot in ("INDUSTRIAL6", "TRACKED_MANIPULATOR"):
         job, _ = example_of(robot, tm=10)
         world = world_of(job, delay=0.02)

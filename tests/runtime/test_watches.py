@@ -1,5 +1,5 @@
-"""ON CURTAIN OFF HOLD: the motion is held on its path at whatever instant the input changes, and goes on
-only when a person says so.
+"""Tests of ON CURTAIN OFF HOLD: at whatever instant the input changes, the motion is held on its path, and
+continues only when a user resumes.
 """
 
 import numpy as np
@@ -16,6 +16,7 @@ from yarclang.robot.actuation import to_counts
 from yarclang.runtime.notices import Abort, Hold, Resume, Stop
 from yarclang.runtime.pmac.messages import Ask, Write
 from yarclang.runtime.pmac.performance import perform
+from yarclang.runtime.pmac.supervision import Supervision
 from yarclang.runtime.state import State
 
 HEAD = "INPUT CURTAIN M11\nON CURTAIN OFF HOLD\n"
@@ -23,7 +24,7 @@ WATCHED = HEAD + SHORT
 
 
 def made(text=WATCHED, *, curtain=1, record=False, **options):
-    """A world in front of a job that watches M11, and job and plan."""
+    """Return a world before the run, a job that watches M11, and its plan."""
     job, plan = prepared(text)
     world = world_of(job, record=record, **options)
     world.say("M11->*")
@@ -39,7 +40,7 @@ def run(world, job, **options):
 
 
 def holds(world):
-    """When each hold of the motion went out."""
+    """Return the times at which holds of the motion were sent."""
     return [one.time for one in world.sent if isinstance(one.request, Ask) and one.request.line == "&1H"]
 
 
@@ -52,10 +53,10 @@ def at_its_end(world, job):
 @given(st.integers(0, 1100), st.floats(0.3, 3.0), st.floats(0.0, 0.002), st.integers(0, 2**32))
 def test_a_curtain_at_any_instant(tally, thousandths, opened, delay, seed):
     world, job, plan = made(record=True, delay=delay, seed=seed)
-    after = thousandths / 1000 * job.duration  # at times before the motion has begun, and behind its end
+    after = thousandths / 1000 * job.duration  # sometimes before the motion begins, or after its end
     since, edge = world.now, []
     world.do(lambda: (world.say("M11=0"), edge.append(world.now)), after)
-    world.order(Resume(), after + 0.5 * opened)  # too early: it stays held
+    world.order(Resume(), after + 0.5 * opened)  # too early: the motion stays held
     world.do(lambda: world.say("M11=1"), after + opened)
     world.order(Resume(), after + opened + 0.1)
     ended = run(world, job)
@@ -64,9 +65,9 @@ def test_a_curtain_at_any_instant(tally, thousandths, opened, delay, seed):
     assert moved_along(world, job, plan, since, step=0.05) < 1.0
     tally.count("held", "held on the path" in world.words)
     if "held on the path" in world.words:
-        # looked at every 5 ms, beside what is asked then
+        # The input is read every 5 ms, after the requests that are in progress.
         assert min(holds(world)) - edge[0] <= 0.005 + 6.0 * delay + 0.007
-        assert "it stays held: CURTAIN (M11) is OFF" in world.words
+        assert "the hold continues: CURTAIN (M11) is OFF" in world.words
         assert world.now - since > job.duration + 0.9 * opened
     assert (world.states.count(State.HOLD) > 0) == ("CURTAIN (M11) is OFF" in world.words)
 
@@ -82,7 +83,7 @@ def test_nothing_begins_while_it_is_open():
     assert run(world, job).well
     assert at_its_end(world, job)
     assert world.now - since > job.duration + 2.5
-    assert "the motion doesn't begin" in world.words
+    assert "the motion isn't started" in world.words
     assert world.states[-4:] == [State.INIT, State.HOLD, State.MOVE, State.STOP]
 
 
@@ -99,7 +100,7 @@ def test_a_stop_while_it_is_open(order, curtain):
 
 
 def test_a_person_s_hold_and_a_curtain():
-    """A hold that a person has asked for isn't resumed while the curtain is open."""
+    """A hold that a user has ordered can't be resumed while the curtain is interrupted."""
     world, job, _ = made()
     world.order(Hold(), 1.0)
     world.do(lambda: world.say("M11=0"), 1.5)
@@ -108,7 +109,7 @@ def test_a_person_s_hold_and_a_curtain():
     world.order(Resume(), 4.0)
     assert run(world, job).well
     assert at_its_end(world, job)
-    assert "it stays held: CURTAIN (M11) is OFF" in world.words
+    assert "the hold continues: CURTAIN (M11) is OFF" in world.words
 
 
 def test_one_that_opens_again_and_again():
@@ -141,7 +142,7 @@ def test_each_leg_looks_before_it_begins():
     world, job, _ = made(text)
     for line in ("M12->*", "M12=0"):
         world.say(line)
-    world.do(lambda: world.say("M11=0"), 2.0)  # while it waits
+    world.do(lambda: world.say("M11=0"), 2.0)  # during the WAIT
     world.do(lambda: world.say("M12=1"), 3.0)
     world.do(lambda: world.say("M11=1"), 5.0)
     world.order(Resume(), 6.0)
@@ -149,7 +150,7 @@ def test_each_leg_looks_before_it_begins():
     assert run(world, job).well
     assert at_its_end(world, job)
     assert world.now - since > 6.5
-    assert "the motion doesn't begin" in world.words
+    assert "the motion isn't started" in world.words
 
 
 def test_several_inputs():
@@ -166,8 +167,7 @@ def test_several_inputs():
 
 
 def test_outputs_are_safe_meanwhile():
-    text = "OUTPUT GLUE M1 OFF\n" + HEAD + "P5 SET GLUE ON\n" + SHORT
-    world, job, _ = made(text)
+    world, job, _ = made(GLUED)
     for line in ("M1->*", "M1=0"):
         world.say(line)
     seen = []
@@ -181,8 +181,46 @@ def test_outputs_are_safe_meanwhile():
     assert seen == [("1",), ("0",), ("1",)]
 
 
+GLUED = "OUTPUT GLUE M1 OFF\n" + HEAD + "P5 SET GLUE ON\n" + SHORT
+
+
+def asked_from(world, begin):
+    """Return the lines that went out from the first `begin` on."""
+    lines = [one.request.line for one in world.sent if isinstance(one.request, Ask)]
+    return lines[lines.index(begin) :]
+
+
+def test_outputs_are_safe_while_the_guard_holds():
+    """The guard PLC itself sets no outputs; they are safe until the buffer is full again."""
+    world, job, _ = made(GLUED)
+    for line in ("M1->*", "M1=0"):
+        world.say(line)
+    world.do(lambda: world.say("&1H") or world.say("P8100=2"), 1.5)
+    assert world.perform(perform(world.operation, job)).well
+    assert "the guard PLC has held the motion" in world.words
+    lines = asked_from(world, "&1H")
+    before_it_goes_on = lines[: lines.index("R")]
+    # once at the hold, once at rest, since the robot may have passed a SET, and then as in the program
+    assert [line for line in before_it_goes_on if line.startswith("M1=")] == ["M1=0", "M1=0", "M1=1"]
+
+
+def test_outputs_are_safe_while_nobody_knows_who_holds(monkeypatch):
+    monkeypatch.setattr(Supervision, "changed", lambda *_args, **_options: "")
+    world, job, _ = made(GLUED)
+    seen = []
+    for line in ("M1->*", "M1=0"):
+        world.say(line)
+    world.do(lambda: world.say("&1H"), 1.5)
+    world.do(lambda: seen.append(world.say("M1")), 7.0)
+    world.order(Resume(), 7.5)
+    world.do(lambda: seen.append(world.say("M1")), 8.5)
+    assert world.perform(perform(world.operation, job)).well
+    assert "another client holds the motion" in world.words
+    assert seen == [("0",), ("1",)]
+
+
 def test_what_an_input_reads_is_a_number():
-    """A controller that answers with nonsense is lost, as with any other nonsense."""
+    """A reply that isn't a number ends the run, like any other invalid reply."""
     world, job, _ = made()
     plain = world.spoil
 

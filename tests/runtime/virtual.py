@@ -1,5 +1,5 @@
-"""The runtime against the simulator in virtual time: no socket, no clock. A reply takes as long as the
-test says.
+"""Fixtures: the runtime and the simulator in virtual time, without a socket and a clock. The test determines
+how long a reply takes.
 """
 
 import random
@@ -35,21 +35,21 @@ from yarclang.simulator.network.ethernet import PacketReader, Station
 ROOT = Path(__file__).resolve().parents[2]
 REPLY_TIME = 1.0
 SPY = 9
-"""A port of the machine that nobody else uses."""
+"""Port of the machine that only the tests use."""
 
 SHORT = """P0010 MOVEJ_LSPB 20 -10 15 5 20 -15 [1.5] (deg,s)
 P0020 MOVEJ_LSPB 10 5 -12 10 -5 -20 [1.5] (deg,s)
 P0030 MOVEJ_POLY5 0 0 0 0 0 0 [1.5] (deg,s)
 """
-"""Three motions of INDUSTRIAL6 with all motors, back to where they begin."""
+"""Three motions of INDUSTRIAL6 with all motors, which lead back to the start."""
 
 
 @dataclass(frozen=True)
 class Sent:
-    """One request: when it went out, when its event came, and how the world was then.
+    """A request, the times at which it was sent and answered, and the state of the world when it was sent.
 
-    `moving` and `stores` (a rotary is open on the port) aren't looked at where the request is one that never
-    matters.
+    `moving` and `stores` (True if a rotary buffer is open on the port) aren't determined for requests that
+    are always allowed.
     """
 
     time: float
@@ -60,25 +60,26 @@ class Sent:
 
 
 class World:
-    """A machine, an operation, and the time that they share.
+    """A machine and an operation with a common virtual time.
 
     Args:
         machine: the simulator.
-        delay: seconds that each exchange takes; called for each. Or the largest, with all below as likely.
-        seed: of what is random.
-        faults: as `yarc sim --fault` takes them; their times count from now on.
+        delay: function that returns the duration of an exchange [s]; or its largest value, for random
+            durations up to this value.
+        seed: seed of random numbers.
+        faults: faults as for `yarc sim --fault`; their times count from now on.
 
     Attributes:
-        operation: the run's.
-        at: (time, function): what shall happen.
-        replan: answers what follows a search.
+        operation: state, orders and notices of the run.
+        at: pairs (time, function) of calls to come.
+        replan: returns the rest of the program after a search.
         told: all notices.
         sent: all requests.
-        given: all orders, and how many requests were sent before each.
-        refused: what WRITEBUFFERs were refused with.
-        spoil: a function of request and reply that gives another reply.
-        reachable: whether a connection can be made and lasts, called with the time.
-        stall_at: when the host stands still, and for how long [s].
+        given: all orders, each with the number of requests that were sent before.
+        refused: errors with which WRITEBUFFERs were refused.
+        spoil: function that gets a request and its reply, and returns a changed reply.
+        reachable: function of the time that returns True if the controller can be reached.
+        stall_at: times at which the host stands still, with the durations [s].
     """
 
     def __init__(self, machine, delay=0.0005, seed=0, faults=()):
@@ -90,7 +91,7 @@ class World:
         self.at = []
         self.told = []
         self.kept, self.unkept = {}, None
-        self.replan = lambda wanted: None  # nobody knows the program
+        self.replan = lambda wanted: None  # the program is unknown by default
         self.sent = []
         self.given = []
         self.refused = []
@@ -102,13 +103,13 @@ class World:
         self._station = self._connection = self._reader = None
 
     def spoil_by(self, *faults):
-        """From now on, these troubles; `@` counts from now."""
+        """Add faults. Their times, after `@`, count from now."""
         self.troubles = Troubles(self.machine, [parse_fault(_later(text, self.now)) for text in faults])
 
-    # what a test does
+    # actions of a test
 
     def perform(self, script, within=600.0):
-        """Carry a script out."""
+        """Run a script, and return its result."""
         outcome, until = None, self.now + within
         while True:
             assert self.now < until, "it takes too long"
@@ -139,7 +140,7 @@ class World:
                     outcome = self._exchange(action)
 
     def order(self, order, after):
-        """Give an order in so many seconds."""
+        """Give an order after a time [s]."""
 
         def give():
             self.given.append((len(self.sent), order))
@@ -148,48 +149,48 @@ class World:
         self.at.append((self.now + after, give))
 
     def do(self, function, after):
-        """Call a function in so many seconds."""
+        """Call a function after a time [s]."""
         self.at.append((self.now + after, function))
 
     def say(self, line):
-        """A line from another terminal; it must be taken."""
+        """Send a line from another terminal. The controller must accept it."""
         reply = self.machine.command(line, SPY)
         assert reply.error is None, (line, reply)
         return reply.items
 
     def prepare(self, robot):
-        """Connect and look; all must be well."""
+        """Connect and inspect the controller. Everything must be in order."""
         self.perform(connect(self.operation))
         found = self.perform(look(self.operation, robot, items_of(robot)))
         assert not found.errors, found.errors
         return found
 
     def approach(self, robot, there):
-        """Move to where a program begins."""
+        """Move to the start of a program."""
         made = approach(robot, from_counts(robot, self.stands(robot)), there)
         job = job_of_compiled(made.value, "approach")
         return self.perform(perform(self.operation, job))
 
-    # what a test looks at
+    # observations of a test
 
     def stands(self, robot):
-        """Commanded positions (n,) [counts]."""
+        """Return the commanded motor positions (n,) [counts]."""
         return self.machine.positions(motors=robot.controller.motors)
 
     @property
     def moving(self):
-        """Whether a motor has a desired velocity."""
+        """Return True if a motor has a desired velocity other than zero."""
         words = self.machine.control(2, SPY).items[0].split()
         return not all(int(word, 16) >> 24 & (1 << 13 | 1 << 18) for word in words)
 
     @property
     def states(self):
-        """All states that were told, in order."""
+        """All states that were reported, in order."""
         return [notice.state for notice in self.told if isinstance(notice, Changed)]
 
     @property
     def words(self):
-        """All that was told in words."""
+        """The texts of all reports."""
         return "\n".join(
             getattr(notice, "text", None) or notice.why
             for notice in self.told
@@ -198,10 +199,10 @@ class World:
 
     @property
     def asked(self):
-        """All lines that were asked."""
+        """All lines that were sent as requests."""
         return [sent.request.line for sent in self.sent if isinstance(sent.request, Ask)]
 
-    # the wire
+    # the connection
 
     def _connect(self):
         if not self.reachable(self.now):
@@ -229,7 +230,7 @@ class World:
         return event
 
     def _round_trip(self, request, data):
-        """The events of one packet and its reply."""
+        """Return the events of one packet and its reply."""
         connection, delay = self._connection, self.delay()
         there = delay * self.random.random()
         if self._dead() or delay >= REPLY_TIME:
@@ -263,7 +264,7 @@ class World:
         return reply, late
 
     def _last_words(self):
-        """As the session does."""
+        """Send the last control character before the connection ends, as a session does."""
         character = "\x01" if Abort() in self.operation.orders else "\x0f"
         data = Connection().last_words(character)
         if not self._dead():
@@ -285,7 +286,9 @@ class World:
         )
 
     def _pass(self, until, wakes=False):
-        """Let time pass; what shall happen happens on its way, and an order ends a wait."""
+        """Let time pass until `until`, and make the calls that are due. With `wakes`, a new order ends the
+        wait.
+        """
         orders = len(self.operation.orders)
         while True:
             due = [one for one in self.at if one[0] <= until]
@@ -306,7 +309,7 @@ class World:
 
 
 def _later(text, now):
-    """A fault whose time counts from `now`."""
+    """Return a fault whose time counts from `now`."""
     head, at, rest = text.partition("@")
     if not at or rest.startswith("line"):
         return text
@@ -316,7 +319,7 @@ def _later(text, now):
 
 @cache
 def prepared(text=SHORT, robot="INDUSTRIAL6", **request):
-    """The job of a program and its plan."""
+    """Return the job and the plan of a program."""
     value, found = compiled(text, robot, **request)
     assert value is not None, found
     return job_of_compiled(value, "test"), value.plan
@@ -324,14 +327,14 @@ def prepared(text=SHORT, robot="INDUSTRIAL6", **request):
 
 @cache
 def example_of(robot, **request):
-    """The job of the example of a robot, and its plan."""
+    """Return the job and the plan of a robot's example."""
     from conftest import EXAMPLES as FOLDER
 
     return prepared((FOLDER / f"{EXAMPLES[robot]}.yarc").read_text(), robot, **request)
 
 
 def world_of(job, *, record=False, prepare=True, stand=True, **options):
-    """A world whose robot stands at a job's start, looked at; and its recorder, if it has one."""
+    """Return a world whose robot stands at a job's start, after an inspection."""
     robot, machine = robot_machine(job.robot.name, record)
     world = World(machine, **options)
     if stand:
@@ -342,7 +345,7 @@ def world_of(job, *, record=False, prepare=True, stand=True, **options):
 
 
 def robot_with(folder, motors):
-    """INDUSTRIAL6 on other motors of its controller, and a world with it."""
+    """Return INDUSTRIAL6 on other motors of its controller, and a world with it."""
     source = ROOT / "stdlib" / "robots" / "industrial6"
     shutil.copytree(source, folder / "robot")
     file = folder / "robot" / "robot.toml"
@@ -352,7 +355,7 @@ def robot_with(folder, motors):
 
 
 def place_at(world, robot, joints):
-    """Put the robot somewhere, by jogs."""
+    """Move the robot to joint positions, by jogs."""
     for motor, counts in zip(robot.controller.motors, to_counts(robot, joints), strict=True):
         world.say(f"#{motor}J={counts:.6f}")
     world.machine.advance(0.5)
@@ -362,7 +365,7 @@ def place_at(world, robot, joints):
 
 
 class PlannedPath:
-    """Where a plan leads, as a fine polyline in counts."""
+    """The path of a plan, as a fine polyline in counts."""
 
     def __init__(self, plan, step=1e-3):
         times = np.arange(0.0, plan.duration + step, step)
@@ -371,11 +374,11 @@ class PlannedPath:
         self._tree = cKDTree(self._points)
 
     def distance(self, counts):
-        """The largest distance of points (N, n) from the path, in counts of any motor."""
+        """Return the largest distance of points (N, n) from the path [counts of any motor]."""
         counts = np.atleast_2d(counts)
         _, nearest = self._tree.query(
             counts, 32
-        )  # the nearest point alone may lie on a way that crosses near a stop
+        )  # the nearest point alone may be on another part of the path that crosses here
         best = np.full(len(counts), np.inf)
         for first in (*(nearest.T - 1), *nearest.T):
             begin = self._points[np.clip(first, 0, len(self._points) - 2)]
@@ -387,13 +390,13 @@ class PlannedPath:
 
 
 def moved_along(world, job, plan, since, step=0.01):
-    """How far off its path the robot has been since a time [counts]."""
+    """Return the robot's largest distance from its path since a time [counts]."""
     times = np.arange(since, world.machine.now, step)
     return path_of(plan).distance(world.machine.positions(times, job.robot.controller.motors))
 
 
 def path_of(plan):
-    """The path of a plan, made once."""
+    """Return the path of a plan. It is computed only once."""
     if id(plan) not in _PATHS:
         _PATHS[id(plan)] = plan, PlannedPath(plan)
     return _PATHS[id(plan)][1]
@@ -403,8 +406,8 @@ _PATHS = {}
 
 
 def well_behaved(world):
-    """What holds for every run: no line too many, nothing forbidden in motion, nothing that an open rotary
-    would store.
+    """Check what holds for each run: no line too many, no forbidden request in motion, and no request that an
+    open rotary buffer would store.
     """
     for sent in world.sent:
         match sent.request:
@@ -422,42 +425,44 @@ def well_behaved(world):
 
 
 def _is_harmless(line):
-    """Status, H, %, and which motors are reported."""
+    """Return True for requests of status, holds, overrides, and the choice of reported motors."""
     system = line.lstrip("&0123456789")
     return system in ("??", "H") or line.startswith(("%", "##"))
 
 
 def asks_flow(request):
-    """Whether a request is the question of the flow."""
+    """Return True if a request is the regular one about the flow of lines."""
     return isinstance(request, Ask) and re.match(r"I5\d12=\d+ PR ", request.line) is not None
 
 
 def ahead_in(reply):
-    """How many lines lie ahead, in the reply to the question of the flow."""
+    """Return the number of buffered lines in the reply to the request about the flow."""
     return int(reply.partition(b"\r")[0])
 
 
 def with_ahead(reply, ahead):
-    """The reply to the question of the flow with something else for the lines ahead."""
+    """Return the reply to the request about the flow, with another number of buffered lines."""
     return ahead + reply[reply.index(b"\r") :]
 
 
 def lines_of(request):
-    """The lines of a packet that go into the rotary."""
+    """Return the lines of a packet for the rotary buffer."""
     first, *lines, last = request.lines
     assert (first, last) == ("OPEN ROT", "CLOSE")
     return lines
 
 
 def _only_asks(line):
-    """Values, definitions and listings; the flow's question winds the watchdog up as well."""
+    """Return True for lines that only request values, definitions or listings. (The request about the flow
+    also resets the watchdog.)
+    """
     asked = re.sub(r"^I5\d12=\d+ PR | %$|(?<=\d) (?=P)", "", line)
-    puts_back = r"I5\d95=\d+"  # without which no hold comes to rest
+    puts_back = r"I5\d95=\d+"  # without this value, no hold comes to rest
     return bool(re.fullmatch(rf"([PIM]\d+(->)?|#\d+->)+|LIST PLC \d+|{puts_back}", asked))
 
 
 def stopped_at_once(world):
-    """Each order to stop was on the wire with the very next request, if a program was under way."""
+    """Check that each order to stop was sent with the very next request, if a program was running."""
     urgent = [(place, order) for place, order in world.given if isinstance(order, Hold | Stop | Fail | Abort)]
     for place, order in urgent:
         before = [sent.request for sent in world.sent[:place]]

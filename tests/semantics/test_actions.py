@@ -1,4 +1,4 @@
-"""WAIT, SET, HOLD and WHEN, and the options of motions."""
+"""Tests of WAIT, SET, HOLD and WHEN, and of the options of motions."""
 
 import numpy as np
 import pytest
@@ -106,7 +106,7 @@ def test_stop_in_a_way_ends_it_and_what_follows_stays():
 @pytest.mark.parametrize(
     ("text", "codes_"),
     [
-        # a way that goes on is reached, whatever the one before it does
+        # the command after the WHEN can be reached if any branch goes on
         ("WHEN DOOR OFF\nP10 STOP\nELSE\nP20 SET GLUE ON\nEND\nP30 SET GLUE OFF", []),
         ("WHEN DOOR OFF\nP10 STOP\nP20 SET GLUE ON\nEND", ["Y1001"]),
         ('WHEN DOOR OFF\nP10 ABORT "a"\nREPEAT 2\nP20 SET GLUE ON\nEND\nEND', ["Y1001"]),
@@ -127,7 +127,7 @@ def test_what_is_reached_after_ways_that_end_the_program(text, codes_):
 @pytest.mark.parametrize(
     ("text", "codes_"),
     [
-        # the way that ends needs no common end; without ELSE the robot goes on from where it stood
+        # a branch that ends the program may end anywhere; without an ELSE, the robot stays where it is
         ("WHEN DOOR OFF\nP10 MOVEJ LOW\nP20 STOP\nEND\nP30 MOVEJ HOME", []),
         ("WHEN DOOR OFF\nP10 MOVEJ LOW\nELSE\nP20 MOVEJ 1 0 0 0 0 0 [5] (deg,s)\nP30 STOP\nEND", []),
         ("WHEN DOOR OFF\nP10 MOVEJ LOW\nWHEN DOOR ON\nP20 STOP\nELSE\nP30 STOP\nEND\nEND\nP40 MOVEJ LOW", []),

@@ -1,4 +1,4 @@
-"""Expressions: units through operators and functions, against Python's own arithmetic."""
+"""Tests of expressions: units in operators and functions; values are compared with Python's arithmetic."""
 
 import math
 
@@ -16,7 +16,7 @@ DEFAULT = "DEFAULT {TCP} [5] (mm,deg,s) {B}\n"
 
 
 def value_of(expression: str, before: str = "") -> float:
-    """What J1 becomes [deg]."""
+    """Return the value of an expression as J1 of a motion [deg]."""
     program, found = checked(f"{DEFAULT}{before}\nP0010 MOVEJ $({expression}) 0 0 0 0 0")
     assert codes(found) == []
     return math.degrees(program.steps[-1].goal.q[0])

@@ -1,4 +1,6 @@
-"""Analogue signals: groups whose number counts steps; what is decided with them is decided by integers."""
+"""Tests of analogue signals, which are groups whose numbers count steps; conditions on them are decided with
+integers.
+"""
 
 from fractions import Fraction
 

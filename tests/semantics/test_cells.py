@@ -1,4 +1,4 @@
-"""CELL in programs and modules: what is known from its line on, and what clashes."""
+"""Tests of CELL in programs and modules: the names that are known after its line, and conflicts."""
 
 from dataclasses import replace
 
@@ -98,7 +98,7 @@ watch = ["tool", "elbow"]
 
 
 def test_another_cell_is_another_program(tmp_path):
-    """Obstacles, margins and zones are in the hash; comments, and where the files stand, aren't."""
+    """A program's fingerprint depends on obstacles, margins and zones, but not on comments or folders."""
     from yarclang.identity import fingerprint
 
     def print_of(name, cell=CELL + BODIES, press=b"solid a\nendsolid a\n"):
@@ -146,7 +146,7 @@ def test_another_cell_is_another_program(tmp_path):
         ('CELL "cell.toml"\nOUTPUT LAMP M1', [("Y0415", "M1 has two names: GRIP in line 10 of")]),
         ('CELL "cell.toml"\nOUTPUT LAMP M11', [("Y0416", "M11 is the input DOOR in line 8 of")]),
         ('INPUT EYE M1\nCELL "cell.toml"', [("Y0416", "M1 is the input EYE in line 2 of test.yarc")]),
-        ('P0005 MOVEJ 5 0 0 0 0 0\nCELL "cell.toml"', [("Y0208", "after a command")]),
+        ('P0005 MOVEJ 5 0 0 0 0 0\nCELL "cell.toml"', [("Y0208", "before the first command")]),
         ('CELL "cell.toml"\nLET HOME = 4', [("Y0214", "HOME is a joint position of INDUSTRIAL6")]),
         ('CELL "cell.toml"\nFRAME {PICK} 0 0 50 0 0 0 {FIXTURE}', []),
     ],

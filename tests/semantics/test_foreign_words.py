@@ -1,4 +1,4 @@
-"""Words of other robot languages get an answer that says what serves."""
+"""Tests of words of other robot languages: the finding names the word to use instead."""
 
 import pytest
 from programs import planned

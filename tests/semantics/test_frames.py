@@ -1,4 +1,4 @@
-"""Frames of the program, against products of matrices from scipy."""
+"""Tests of a program's frames, compared with products of matrices by scipy."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ SIX = st.tuples(*[st.integers(-500, 500)] * 3, *[st.integers(-170, 170)] * 3)
 
 
 def matrix(values):
-    """Independent of the compiler: x y z [mm] roll pitch yaw [deg]."""
+    """Return the matrix of x y z [mm] roll pitch yaw [deg], independently of the compiler."""
     made = np.eye(4)
     made[:3, :3] = Rotation.from_euler("xyz", values[3:], degrees=True).as_matrix()
     made[:3, 3] = np.array(values[:3]) / 1000

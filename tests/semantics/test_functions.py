@@ -1,4 +1,4 @@
-"""FUNC: a name for an expression of its parameters."""
+"""Tests of FUNC, which names an expression of its parameters."""
 
 import math
 import tracemalloc
@@ -17,7 +17,7 @@ START = "DEFAULT {TCP} [5] (mm,deg,s) {B}\n"
 
 
 def first_joint(program):
-    """The first joint of the last motion [deg]."""
+    """Return the first joint at the end of the last motion [deg]."""
     made, findings = checked(START + program)
     assert codes(findings) == []
     step = made.steps[-1]
@@ -157,6 +157,6 @@ def test_memory_is_linear_in_the_number_of_functions():
         assert made[0] is not None
         return peak
 
-    held(50)  # what is imported late
-    # 6 MB; with a copy of all names in each function it was 295 MB
+    held(50)  # imports modules, whose memory must not be counted below
+    # measured: 6 MB; 295 MB when each function had a copy of all names
     assert held(3200) < 30e6

@@ -1,6 +1,4 @@
-"""LOOP, WHILE, UNTIL, EXIT, RETURN and a REPEAT that a register counts: which steps they become, and what
-is said of mistakes.
-"""
+"""Tests of LOOP, WHILE, UNTIL, EXIT, RETURN and a REPEAT that a register counts: their steps and findings."""
 
 import pytest
 from programs import checked, codes, planned
@@ -125,50 +123,62 @@ def test_a_return_in_a_compile_time_if_needs_no_step_either():
     lines = ("LET K = 1", "SUB S", "IF 1 = 1", "P10 RETURN", "END", "P20 SET N = 1", "END", "P30 CALL S")
     program, found = checked(HEAD + "\n".join((*lines, "P40 MOVEJ $K 0 0 0 0 0")) + "\n")
     assert [type(step).__name__ for step in program.steps] == ["JointMove"]
-    assert "Y1001" in codes(found)  # of P20
+    assert "Y1001" in codes(found)  # P20 can't be reached
 
 
 @pytest.mark.parametrize(
     ("lines", "code", "what"),
     [
-        (["P10 EXIT", "P20 MOVEJ A"], "Y0450", "EXIT stands in no LOOP or WHILE"),
-        (["P10 RETURN", "P20 MOVEJ A"], "Y0450", "RETURN stands in no SUB"),
-        (["SUB S", "P5 EXIT", "END", "LOOP", "P10 CALL S", "END"], "Y0450", "EXIT stands in no LOOP"),
-        (["REPEAT 2", "P10 EXIT", "END"], "Y0450", "EXIT stands in no LOOP"),
-        (["P10 MOVEJ A", "UNTIL DOOR ON"], "Y0114", "this UNTIL ends nothing: no block is open"),
+        (["P10 EXIT", "P20 MOVEJ A"], "Y0450", "EXIT is not in a LOOP or WHILE"),
+        (["P10 RETURN", "P20 MOVEJ A"], "Y0450", "RETURN is not in a SUB"),
+        (["SUB S", "P5 EXIT", "END", "LOOP", "P10 CALL S", "END"], "Y0450", "EXIT is not in a LOOP"),
+        (["REPEAT 2", "P10 EXIT", "END"], "Y0450", "EXIT is not in a LOOP"),
+        (["P10 MOVEJ A", "UNTIL DOOR ON"], "Y0114", "this UNTIL has no LOOP to end: no block is open"),
         (["WHEN DOOR ON", "P10 MOVEJ A", "UNTIL DOOR ON", "END"], "Y0114", "the WHEN of line 5 is open here"),
         (["LOOP", "P10 MOVEJ A"], "Y0113", "this LOOP has no END"),
         (["LOOP", "WHEN DOOR ON", "P10 MOVEJ A", "UNTIL DOOR ON"], "Y0113", "this WHEN has no END"),
-        (["LOOP 5 6", "P10 MOVEJ A", "END"], "Y0401", "LOOP wants a number of passes, or nothing"),
-        (["LOOP DOOR", "P10 MOVEJ A", "END"], "Y0401", "LOOP wants a number of passes, or nothing"),
-        (["LOOP 2.5", "P10 MOVEJ A", "END"], "Y0414", "LOOP 2.5: an integer"),
-        (["LOOP -1", "P10 MOVEJ A", "END"], "Y0414", "LOOP -1: an integer"),
+        (["LOOP 5 6", "P10 MOVEJ A", "END"], "Y0401", "LOOP takes a number of passes, or nothing"),
+        (["LOOP DOOR", "P10 MOVEJ A", "END"], "Y0401", "LOOP takes a number of passes, or nothing"),
+        (["LOOP 2.5", "P10 MOVEJ A", "END"], "Y0414", "LOOP 2.5: the count must be an integer"),
+        (["LOOP -1", "P10 MOVEJ A", "END"], "Y0414", "LOOP -1: the count must be an integer"),
         (["LOOP 300000", "P10 MOVEJ A", "END"], "Y1004", "LOOP 300,000"),
-        (["LOOP 5", "P10 MOVEJ A", "UNTIL DOOR ON"], "Y0401", "a LOOP with a number of passes ends with END"),
+        (
+            ["LOOP 5", "P10 MOVEJ A", "UNTIL DOOR ON"],
+            "Y0401",
+            "a LOOP with a number of passes must end with END, not UNTIL",
+        ),
         (
             ["LOOP", "P10 MOVEJ A", "ELSE", "P20 MOVEJ HOME", "END"],
             "Y0115",
             "the LOOP of line 5 is open here",
         ),
-        (["WHILE DOOR", "P10 MOVEJ A", "END"], "Y0401", "WHILE wants an input and its value"),
-        (["LOOP", "P10 MOVEJ A", "UNTIL"], "Y0401", "UNTIL wants an input and its value"),
-        (["WHILE 1 = 1", "P10 MOVEJ A", "END"], "Y0430", "nothing in this condition changes"),
+        (["WHILE DOOR", "P10 MOVEJ A", "END"], "Y0401", "WHILE takes an input and its value"),
+        (["LOOP", "P10 MOVEJ A", "UNTIL"], "Y0401", "UNTIL takes an input and its value"),
+        (["WHILE 1 = 1", "P10 MOVEJ A", "END"], "Y0430", "this condition has no register or input"),
         (["REPEAT I N", "P10 MOVEJ A", "END"], "Y0401", "N is known only when the program runs"),
         (["P5 LOOP", "P10 MOVEJ A", "END"], "Y0117", "LOOP is no command and has no index"),
-        (["LOOP", "P10 MOVEJ A", "P20 EXIT 5", "END"], "Y0401", "EXIT wants nothing after it"),
-        (["P10 WAIT DOOR ON ELSE", "P20 MOVEJ A", "END"], "Y0451", "this ELSE has nothing to do"),
-        (["P10 WAIT [5] ELSE", "P20 MOVEJ A", "END"], "Y0451", "this ELSE has nothing to do"),
-        (["P10 WAIT DOOR ON [5] ELSE 4", "P20 MOVEJ A", "END"], "Y0412", "nothing may follow the ELSE"),
+        (["LOOP", "P10 MOVEJ A", "P20 EXIT 5", "END"], "Y0401", "EXIT takes nothing after it"),
+        (
+            ["P10 WAIT DOOR ON ELSE", "P20 MOVEJ A", "END"],
+            "Y0451",
+            "the ELSE of this WAIT is never carried out",
+        ),
+        (["P10 WAIT [5] ELSE", "P20 MOVEJ A", "END"], "Y0451", "the ELSE of this WAIT is never carried out"),
+        (["P10 WAIT DOOR ON [5] ELSE 4", "P20 MOVEJ A", "END"], "Y0412", "the line must end after the ELSE"),
         (["P10 WAIT DOOR ON [5] BLEND 2 ELSE", "P20 MOVEJ A", "END"], "Y0408", "WAIT doesn't take BLEND"),
-        (["P10 MOVEJ A ELSE"], "Y0412", "ELSE stands after the time of a WAIT"),
+        (["P10 MOVEJ A ELSE"], "Y0412", "ELSE is allowed only after the time of a WAIT"),
         (["WAIT DOOR ON [5] ELSE", "P20 MOVEJ A", "END"], "Y0105", "WAIT has no index"),
         (["P10 WAIT DOOR ON [5] ELSE", "P20 MOVEJ A"], "Y0113", "this WAIT has no END"),
         (
             ["P10 WAIT DOOR ON [5] ELSE", "ELSE", "P20 MOVEJ A", "END"],
             "Y0115",
-            "the WAIT of line 5 has an ELSE already",
+            "the WAIT of line 5 already has an ELSE",
         ),
-        (["P10 WAIT N = 3 [5] ELSE", "P20 MOVEJ A", "END"], "Y0440", "no input stands in this condition"),
+        (
+            ["P10 WAIT N = 3 [5] ELSE", "P20 MOVEJ A", "END"],
+            "Y0440",
+            "this condition can't change during the WAIT",
+        ),
     ],
 )
 def test_mistakes_are_told(lines, code, what):
@@ -180,9 +190,9 @@ def test_mistakes_are_told(lines, code, what):
 @pytest.mark.parametrize(
     ("lines", "what"),
     [
-        (["LOOP", "P10 MOVEJ A", "END", "P20 MOVEJ HOME"], "the LOOP of line 5 goes on for ever"),
-        (["LOOP", "P10 EXIT", "P20 MOVEJ A", "END"], "P0010 leaves the loop"),
-        (["SUB S", "P5 RETURN", "P10 MOVEJ A", "END", "P20 CALL S"], "leaves the SUB"),
+        (["LOOP", "P10 MOVEJ A", "END", "P20 MOVEJ HOME"], "the LOOP of line 5 never ends"),
+        (["LOOP", "P10 EXIT", "P20 MOVEJ A", "END"], "P0010 has already left the loop"),
+        (["SUB S", "P5 RETURN", "P10 MOVEJ A", "END", "P20 CALL S"], "has already left the SUB"),
         (["LOOP", "P10 STOP", "END", "P20 MOVEJ A"], "P0010 ends the program"),
     ],
 )
@@ -196,17 +206,17 @@ def test_lines_that_no_way_leads_to_are_told(lines, what):
     ("lines", "what"),
     [
         (["LOOP", "P10 MOVEJ A", "UNTIL DOOR ON"],
-            "a pass of this loop doesn't end where it began: J1 by 10 deg off"),
+            "a pass of this loop doesn't end where it began: the joint positions differ in J1 by 10 deg"),
         (["WHILE DOOR ON", "P10 MOVEJ A", "END"], "a pass of this loop doesn't end where it began"),
         (["REPEAT N", "P10 DMOVEJ 1 0 0 0 0 0", "END"], "a pass of this loop doesn't end where it began"),
         (
             ["LOOP", "WHEN DOOR ON", "P10 EXIT", "END", "P20 MOVEJ A", "WHEN N > 1", "P30 EXIT", "END",
                 "P40 MOVEJ HOME", "END"],
-            "the ways out of this loop end apart: J1 by 10 deg",
+            "the exits of this loop end at different joint positions, which differ in J1 by 10 deg",
         ),
         (
             ["SUB S", "WHEN DOOR ON", "P10 RETURN", "END", "P20 MOVEJ A", "END", "P30 CALL S"],
-            "the ways out of this CALL end apart",
+            "the exits of this CALL end at different joint positions",
         ),
     ],
 )  # fmt: skip
@@ -219,11 +229,12 @@ def test_a_loop_closes(lines, what):
 def test_the_way_of_an_else_comes_back():
     _, found = planned(HEAD + "P10 WAIT DOOR ON [5] ELSE\nP20 MOVEJ A\nEND\n")
     (one,) = (one for one in found if one.code == "Y1002")
-    assert "the ways of this WAIT end apart: J1 by 10 deg" in one.message
+    assert "the branches of this WAIT end at different joint positions" in one.message
+    assert "which differ in J1 by 10 deg" in one.message
 
 
 def test_a_loop_may_be_left_elsewhere_than_where_it_begins():
     lines = ("LOOP", "P10 MOVEJ A", "WHEN DOOR ON", "P20 EXIT", "END", "P30 MOVEJ HOME", "END", "P40 MOVEJ A")
     _, found = planned(HEAD + "\n".join(lines) + "\n")
     assert not [one for one in found if one.is_error]
-    assert "Y0603" in codes(found)  # the robot stands at A behind the loop
+    assert "Y0603" in codes(found)  # after the loop, the robot is at A already

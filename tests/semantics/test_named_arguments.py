@@ -1,4 +1,4 @@
-"""Arguments with names, and parameters with defaults."""
+"""Tests of arguments with names, and of parameters with defaults."""
 
 import itertools
 
@@ -23,7 +23,7 @@ FRAME {TABLE} 0 800 300 0 0 0 (mm,deg) {B}
 
 
 def moved(*calls):
-    """Return the goals and times of the motions of some calls."""
+    """Return the goals and timings of the motions of some calls."""
     lines = "\n".join(f"P0{number}00 {call}" for number, call in enumerate(calls, 1))
     made, findings = checked(SUB + lines)
     assert codes(findings) == []
@@ -51,7 +51,9 @@ VALUES = {"F": "{TABLE}", "A": "5", "T": "3", "B": "$(D/5)", "AT": "READY"}
 
 @given(data=st.data(), by_position=st.integers(0, 5))
 def test_names_in_any_order(data, by_position):
-    """The first values by position and the rest by name, in any order, are all values by position."""
+    """Values by position followed by values by name, in any order, give the same motions as all values by
+    position.
+    """
     names = list(VALUES)
     rest = data.draw(st.permutations(names[by_position:]))
     call = " ".join(
@@ -65,7 +67,7 @@ def test_names_in_any_order(data, by_position):
 
 
 def test_a_left_out_name_is_its_default_or_a_finding():
-    """Each subset of the arguments compiles if all without a default are there, and else says what lacks."""
+    """A CALL compiles if it has all arguments without a default; else the finding names the missing ones."""
     for size in range(6):
         for some in itertools.combinations(VALUES, size):
             text = SUB + "P0100 CALL TURN " + " ".join(f"{one}={VALUES[one]}" for one in some)
@@ -74,7 +76,7 @@ def test_a_left_out_name_is_its_default_or_a_finding():
             assert codes(findings) == ["Y0411"] * bool(lacking)
             if lacking and some:
                 shown = ", ".join("{F}" if one == "F" else one for one in lacking)
-                assert findings[0].message == f"TURN lacks {shown}"
+                assert findings[0].message == f"TURN needs a value for {shown}"
 
 
 def test_a_frame_and_a_number_of_one_name():
@@ -94,7 +96,7 @@ def test_a_frame_and_a_number_of_one_name():
     ("head", "message"),
     [
         ("SUB GO A=2 (kg)", "`kg` is no unit"),
-        ("SUB GO A=HOMEE", "nothing is named HOMEE"),
+        ("SUB GO A=HOMEE", "no name HOMEE is declared"),
         ("SUB GO A=$X", "X"),
         ("SUB GO A=HOME (mm)", "A is a number of mm, not a joint position"),
         ("SUB GO B=1 A=$B", "B"),
@@ -114,7 +116,7 @@ def test_defaults_are_checked_where_they_stand(head, message):
         ("CALL TURN A= [3]", "no value follows `A=`"),
         ("CALL TURN A=$(3)4", "`4` runs into `A=$(3)`"),
         ("SUB GO A=", "no value follows `A=`"),
-        ("SUB GO A=3 4 (mm)", "A has one default; `4` is one too many"),
+        ("SUB GO A=3 4 (mm)", "A can have only one default; `4` is a second one"),
         ("SUB GO A={B}", "no value follows `A=`"),
     ],
 )

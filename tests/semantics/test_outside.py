@@ -1,4 +1,6 @@
-"""REGISTER ... OUTSIDE: which lines declare one, and which WAITs may stand on it alone."""
+"""Tests of REGISTER ... OUTSIDE: the lines that may declare such a register, and the WAITs that may depend
+only on one.
+"""
 
 import pytest
 from programs import checked, codes
@@ -54,7 +56,7 @@ def test_a_wait_for_ever_is_warned_of():
 
 
 def test_a_program_that_takes_values_is_another_one():
-    """And one without such registers is what it was before there were any."""
+    """OUTSIDE changes a program's fingerprint; the fingerprint of a program without it must never change."""
     text = "REGISTER X 0..5{}\nINPUT DOOR M11\nP0010 WAIT X > 3 OR DOOR = ON [5] (s)\n"
     (plain, _), (outside, _) = (checked(text.format(one)) for one in ("", " OUTSIDE"))
     assert fingerprint(plain) != fingerprint(outside)

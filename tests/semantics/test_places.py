@@ -1,4 +1,4 @@
-"""Tables of poses and joint positions, whose elements stand for way-points."""
+"""Tests of tables of poses and joint positions, whose elements are used as waypoints."""
 
 import numpy as np
 import pytest

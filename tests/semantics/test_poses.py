@@ -1,4 +1,4 @@
-"""A named pose is the numbers that it stands for, in its own frame."""
+"""Tests of named poses: a name has the same meaning as the pose's numbers in the pose's own frame."""
 
 import numpy as np
 import pytest

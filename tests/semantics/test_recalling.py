@@ -1,4 +1,4 @@
-"""Commands that are recalled mean what they mean where they stand now."""
+"""Tests of commands that are remembered from an earlier text: they mean what their present place says."""
 
 import pytest
 from hypothesis import given, settings
@@ -55,7 +55,7 @@ def checked(text, memory):
 
 
 def said(result):
-    """All of what was found: steps by value with their places and frames, and findings."""
+    """Return the steps with their values, places and frames, and the findings."""
 
     def frames(link):
         return None if link is None else (link.name, link.parent_from_frame.tobytes(), frames(link.parent))

@@ -1,4 +1,4 @@
-"""What a name means where: blocks, SUBs, parameters, modules."""
+"""Tests of the meaning of names in blocks, SUBs, parameters and modules."""
 
 import pytest
 from programs import checked, codes, source

@@ -1,4 +1,4 @@
-"""UNTIL, INTO, ON: what they take, and what may stand behind a motion that an input ends."""
+"""Tests of UNTIL, INTO and ON: their arguments, and the commands that may follow a search."""
 
 import pytest
 from programs import compiled
@@ -41,14 +41,14 @@ def errors(lines, head=HEAD):
         ("P0020 MOVEC 0 1174.4 950; 0 1174.4 900 0 0 0 [2] UNTIL TOUCH\n", "Y0412"),
         (f"{DOWN} UNTIL TOUCH ELSE\nP0025 WAIT [1]\n", "Y0113"),
         (f"{DOWN} ELSE\n", "Y0412"),
-        # what follows begins at a place that isn't known
+        # these commands need to know where the motion before them ends
         (f"{DOWN} UNTIL TOUCH\nP0030 DMOVE 0 0 50 0 0 0 [1]\n", "Y0475"),
         (f"{DOWN} UNTIL TOUCH\nP0030 DMOVEJ 5 0 0 0 0 0 [1]\n", "Y0475"),
         (f"{DOWN} UNTIL TOUCH\n{UP[:-1]} BLEND 5\nP0040 MOVEL 0 1174.4 900 0 0 0 [2]\n", "Y0475"),
         (f"{DOWN} UNTIL TOUCH\n{UP[:-1]} UNTIL TOUCH\n", "Y0475"),
         (f"{DOWN} UNTIL TOUCH\nP0030 MOVEJ_AVOID 0 0 0 0 30 0 [2]\n", "Y0475"),
         (f"{DOWN} UNTIL TOUCH\nWHEN TOUCH ON\nP0030 WAIT [1]\nEND\n", "Y0475"),
-        # an ELSE leads back to the end of the way
+        # the branch of ELSE would have to lead to the end of the search's line
         (f"{DOWN} UNTIL TOUCH ELSE\nP0025 MOVEL 0 1174.4 900 0 0 0 [1]\nEND\n{UP}", "Y1002"),
     ],
 )
@@ -128,7 +128,9 @@ def test_a_program_that_watches_and_searches_is_streamed_only():
 
 
 def test_no_gripper_acts_where_a_search_has_ended(tmp_path):
-    """In a cell with parts: what is held would lie elsewhere in the gripper each time."""
+    """A gripper may not act where a search has ended, because the pose of the part in the gripper would be
+    unknown.
+    """
     from conftest import EXAMPLES
 
     from yarclang.pipeline.inputs import Options, open_program

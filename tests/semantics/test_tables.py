@@ -1,4 +1,4 @@
-"""A number of a TABLE is the number that stands there, wherever a number may stand."""
+"""Tests of TABLE: an element means its number, wherever a number is allowed."""
 
 import pytest
 from hypothesis import given

@@ -1,4 +1,4 @@
-"""Files of timed trajectories: read without loss, and whatever is wrong with one is found at its line and
+"""Tests of files of timed trajectories: they are read without loss, and errors are found at their line and
 column.
 """
 
@@ -23,7 +23,7 @@ RATES = "".join(f",J{n}_velocity" for n in range(1, 7))
 
 @pytest.fixture(scope="module")
 def slider():
-    """INDUSTRIAL6 with a first joint that slides upwards, to 3 m."""
+    """Return INDUSTRIAL6 with a prismatic first joint that moves upwards, up to 3 m."""
     robot = robot_of("INDUSTRIAL6")
     screws = robot.chain.screws.copy()
     screws[0] = 0, 0, 1, 0, 0, 0
@@ -36,7 +36,7 @@ def read(text, units=DEG, robot="INDUSTRIAL6", own=frozenset()):
 
 
 def refused(text, units=DEG, own=frozenset()):
-    """The only finding: its code, line, column and message."""
+    """Return code, line, column and message of the only finding."""
     table, found = read(text, units, own=own)
     assert table is None
     (one,) = found
@@ -82,7 +82,8 @@ def test_what_is_written_is_read(table, ending, order):
     found, told = read(text, {})
     assert codes(told) == []
     assert same(found, table)
-    # columns in another order, other line ends, blank lines, comments and blanks between cells
+    # the result is the same for other orders of columns, line ends, blank lines, comments, and spaces between
+    # cells
     lines = [line.split(",") for line in text.splitlines()]
     columns = list(range(len(lines[0])))
     order.shuffle(columns)
@@ -120,12 +121,12 @@ def test_lengths_and_angles(slider):
 @pytest.mark.parametrize(
     ("text", "code", "line", "column", "words"),
     [
-        ("", "Y1384", 1, 1, "no line"),
-        ("\n \n# nothing\n", "Y1384", 1, 1, "no line"),
+        ("", "Y1384", 1, 1, "no data"),
+        ("\n \n# nothing\n", "Y1384", 1, 1, "no data"),
         (HEADER, "Y1384", 1, 1, "a header and no row"),
         (f"{HEADER}\n0,1,2,3,4,5,6", "Y1384", 2, 1, "the only row is the start"),
-        (HEADER.replace(",", ";"), "Y1380", 1, 5, "divided by semicolons here"),
-        (HEADER.replace(",", "\t"), "Y1380", 1, 5, "divided by tabs here"),
+        (HEADER.replace(",", ";"), "Y1380", 1, 5, "this file has semicolons between cells"),
+        (HEADER.replace(",", "\t"), "Y1380", 1, 5, "this file has tabs between cells"),
         ("time,J1,J2,J3,J5,J6\n1,1,1,1,1,1", "Y1380", 1, 1, "column J4 is missing"),
         ("J1,J2,J3,J4,J5,J6", "Y1380", 1, 1, "column time is missing"),
         (f"{HEADER},J2", "Y1380", 1, 24, "J2 is a column twice: the other begins at column 9"),
@@ -135,19 +136,19 @@ def test_lengths_and_angles(slider):
         (f"{HEADER},", "Y1380", 1, 24, "a column without a name"),
         (f"{HEADER}{RATES[:-12]}", "Y1380", 1, 1, "column J6_velocity is missing"),
         (f"{HEADER}{RATES.replace('velocity', 'acceleration')}", "Y1380", 1, 1, "columns J1_velocity, "),
-        (HEADER.replace("J2", "J2 [deg]"), "Y1381", 1, 6, "J2 says its unit, deg, and J1 doesn't"),
+        (HEADER.replace("J2", "J2 [deg]"), "Y1381", 1, 6, "J2 has a unit, deg, and J1 doesn't"),
         (HEADER.replace("J2", "J2 [deg]").replace("J3", "J3 (rad)"), "Y1381", 1, 18, "in deg and J3 in rad"),
         (HEADER.replace("J2", "J2 [mm]"), "Y1381", 1, 9, "'mm' is no unit for J2"),
         (HEADER.replace("J2", "J2 [turn]"), "Y1381", 1, 9, "'turn' is no unit"),
         (HEADER.replace("time", "time [deg]"), "Y1381", 1, 1, "'deg' is no unit for time"),
         (HEADER + RATES.replace("J1_velocity", "J1_velocity [deg]"), "Y1381", 1, 24, "'deg' is no unit"),
         (HEADER + RATES.replace("J1_velocity", "J1_velocity [deg/s2]"), "Y1381", 1, 24, "no unit"),
-        (f"{HEADER}\n1,1,2,3,4,5", "Y1382", 2, 1, "this line has 6 cells, the header has 7"),
-        (f"{HEADER}\n1,1,2,3,4,5,6\n\n2", "Y1382", 4, 1, "this line has 1 cell, the header has 7"),
+        (f"{HEADER}\n1,1,2,3,4,5", "Y1382", 2, 1, "this line has 6 cells, but the header has 7"),
+        (f"{HEADER}\n1,1,2,3,4,5,6\n\n2", "Y1382", 4, 1, "this line has 1 cell, but the header has 7"),
         (f"{HEADER}\n1;1;2;3;4;5;6", "Y1382", 2, 1, "this line has 1 cell"),
         (f"{HEADER}\n1,1,2,3,4,5,six", "Y1382", 2, 13, "'six' is not a number"),
-        (f"{HEADER}\n1,1,2, nan,4,5,6", "Y1382", 2, 8, "nan is beyond any joint position"),
-        (f"{HEADER}\n1,1,2,-inf,4,5,6", "Y1382", 2, 7, "-inf is beyond"),
+        (f"{HEADER}\n1,1,2, nan,4,5,6", "Y1382", 2, 8, "nan is too large for a joint position"),
+        (f"{HEADER}\n1,1,2,-inf,4,5,6", "Y1382", 2, 7, "-inf is too large"),
         (f"{HEADER}\n1,1,,3,4,5,6", "Y1382", 2, 5, "this cell is empty"),
         (f"{HEADER}\n1,1,1e99,3,4,5,6", "Y1382", 2, 5, "1e99 is beyond the largest value"),
         (f"{HEADER}\n1,1,1e999,3,4,5,6", "Y1382", 2, 5, "1e999 is beyond the largest value"),
@@ -162,7 +163,7 @@ def test_lengths_and_angles(slider):
             "1,2,3,4,5,6,7"), "Y1383", 3, 1, "1 s isn't later than the one before, 1 s in line 2"),
         (f"{HEADER}\r\n1,1,2,3,4,5,6\r\n0.5,2,3,4,5,6,7\r\n", "Y1383", 3, 1, "0.5 s isn't later"),
         (f"{HEADER}\n3,1,1,1,1,1,1\n2,1,1,1,1,1,1\n1,1,1,1,1,1,1", "Y1383", 3, 1, "(and 1 more row)"),
-        (f"{HEADER}\n1,0,0,0,0,0,0\n2,0,180,0,0,0,0", "Y0502", 3, 5, "J2 at 180 deg is out of its limits"),
+        (f"{HEADER}\n1,0,0,0,0,0,0\n2,0,180,0,0,0,0", "Y0502", 3, 5, "J2 at 180 deg is outside its limits"),
         ((f"{HEADER}{RATES}\n"
             f"0{',0' * 6},0,0,9{',0' * 3}\n"
             f"1{',0' * 12}"), "Y1383", 2, 19, "J3 moves at 9 deg/s at time 0"),
@@ -177,14 +178,14 @@ def test_what_is_wrong_is_said_where(text, code, line, column, words):
 
 def test_a_unit_that_nobody_says():
     code, line, column, message = refused(f"{HEADER}\n1,1,2,3,4,5,6", {})
-    assert (code, line, column, message) == ("Y1381", 1, 1, "the unit of J1 isn't said anywhere")
+    assert (code, line, column, message) == ("Y1381", 1, 1, "J1 has no unit")
 
 
 def test_a_unit_of_the_line_against_that_of_the_header():
     named = ",".join(["time", *(f"J{n} [rad]" for n in range(1, 7))])
     text = f"{named}\n1,1,0,0,0,0,0\n"
     assert refused(text, DEG, frozenset(["angle"]))[0] == "Y1381"
-    # that of DEFAULT is only for files that say none
+    # the unit of DEFAULT is only for files that state no unit
     assert read(text, DEG)[0].positions[0, 0] == 1.0
 
 

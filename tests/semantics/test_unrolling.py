@@ -1,4 +1,4 @@
-"""REPEAT, IF and CALL carried out: which commands, in which order, at which place."""
+"""Tests of unrolling REPEAT, IF and CALL: the commands, their order and their places."""
 
 import re
 import time
@@ -106,14 +106,14 @@ def test_frames_inputs_and_outputs_are_arguments():
 @pytest.mark.parametrize(
     ("call", "part"),
     [
-        ("CALL S", "wants 2 arguments ({AT} D (mm)), 0 given"),
+        ("CALL S", "takes 2 arguments ({AT} D (mm)), 0 given"),
         ("CALL S {B} 1 2", "3 given"),
-        ("CALL S 1 2", "a frame is wanted for {AT}"),
+        ("CALL S 1 2", "the parameter {AT} is a frame"),
         ("CALL S {B} {B}", "D isn't a frame"),
         ("CALL S {B} 1 (s)", "D: 1 s is a time"),
         ("CALL S {B} HOME", "not a joint position"),
-        ("CALL S {B} NOTHING", "nothing is named NOTHING"),
-        ("CALL S {B} 0,5", "no argument"),
+        ("CALL S {B} NOTHING", "no name NOTHING is declared"),
+        ("CALL S {B} 0,5", "can't be an argument"),
     ],
 )
 def test_wrong_arguments(call, part):
@@ -173,13 +173,13 @@ ROUNDS_LIMIT = "; the loops of a program make at most 200,000 rounds"
         (("REPEAT I 1000\n"
             "REPEAT $I\n"
             "END\n"
-            "END"), 2, "up to round 632 of 1,000 this loop comes to 200,028 rounds" + ROUNDS_LIMIT),
+            "END"), 2, "up to round 632 of 1,000 this loop makes 200,028 rounds" + ROUNDS_LIMIT),
         (("REPEAT I 100000\n"
             "END\n"
             "REPEAT 99999\n"
             "END\n"
             "REPEAT 2\n"
-            "END"), 6, "with this REPEAT the program comes to 200,001 rounds" + ROUNDS_LIMIT),
+            "END"), 6, "with this REPEAT the program makes 200,001 rounds" + ROUNDS_LIMIT),
         ("SUB S\nREPEAT 1000\nEND\nEND\nREPEAT 200\nP0010 CALL S\nEND", 6,
          "200 rounds, each around 1,000 others, are 200,200 rounds" + ROUNDS_LIMIT),
     ],
@@ -242,7 +242,7 @@ def test_a_least_count_is_no_more_than_the_count(body, monkeypatch):
 @pytest.mark.parametrize(
     ("mistake", "least", "most"),
     [
-        ("P0005 MOVEJ NOWHERE", 10_000, 10_100),  # a name without a meaning
+        ("P0005 MOVEJ NOWHERE", 10_000, 10_100),  # a name that isn't declared
         ("P0005 MOVEJ (((", 1_000, 1_100),  # a line that can't be read
     ],
 )

@@ -1,4 +1,6 @@
-"""ON CURTAIN OFF CALL AWAY: what it takes, from where the way is proved, and what its text says."""
+"""Tests of ON CURTAIN OFF CALL AWAY: its arguments, the places from which the way out is proved, and its
+text.
+"""
 
 import pytest
 from programs import compiled
@@ -97,12 +99,11 @@ def test_the_way_is_proved_from_each_place_and_it_is_said_from_where_it_fails():
     assert only.code == "Y0479"
     assert only.span.line == 7
     assert (
-        "AWAY can't be carried out from where P0104 MOVEJ begins, and from 1 more of 5 places: "
-        in only.message
+        "AWAY can't be executed from the start of P0104 MOVEJ, and from 1 more of 5 places: " in only.message
     )
     blended = moves.replace("(deg,s)\nP0105", "(deg,s) BLEND 5\nP0105")
-    (only,) = found(blended, way)  # within a blend the robot doesn't stand
-    assert "from where P0104 MOVEJ begins: " in only.message
+    (only,) = found(blended, way)  # within a blend the robot never stands, so only one place remains
+    assert "AWAY can't be executed from the start of P0104 MOVEJ: " in only.message
 
 
 def test_from_where_a_search_has_ended_the_inputs_only_hold():

@@ -1,5 +1,5 @@
-"""A simulated camera: tells where a part lies, in counts of its frame; and cameras that lie, stall, repeat
-or come late, in a run.
+"""Tests of a simulated camera: it reports a part's place in counts of its frame; in runs, cameras also lie,
+stall, repeat themselves or answer late.
 """
 
 import asyncio
@@ -77,7 +77,7 @@ def test_one_that_the_robot_carries():
     cell = cell_of()
     eye = camera(cell, "HAND")
     flange = np.eye(4)
-    # 100 mm above the part, along its own axes
+    # the camera's frame, 100 mm along the flange's z axis, has its origin at the part's
     part = first_parts(cell).items[0].transform
     flange[:3, :3] = rpy_rotation([0.0, 0.0, 0.3])
     flange[:3, 3] = part[:3, 3] - [0.0, 0.0, 0.1]
@@ -199,7 +199,7 @@ P0060 MOVEJ 0 0 0 0 0 0 [0.5] (deg,s)
     ],
 )
 def test_a_program_with_a_camera_in_a_run(tmp_path, does, bad):
-    """Bad answers cost passes, and nothing of them gets into a register."""
+    """Wrong answers only cost passes; none of their values gets into a register."""
     (tmp_path / "cell.toml").write_text(CELL.format(xyz=[12, 0, 30], rz=0))
     (tmp_path / "yarc.toml").write_text('robot = "INDUSTRIAL6"\ncell = "cell.toml"\n')
     (tmp_path / "p.yarc").write_text(PICK)
@@ -217,7 +217,9 @@ def test_a_program_with_a_camera_in_a_run(tmp_path, does, bad):
             program = (await client.files.load(Source(str(tmp_path / "p.yarc")))).value
 
             async def goes_on():
-                """The machine's time passes only when it is asked something, and this WAIT asks nothing."""
+                """Let the machine's time pass: time passes only when the machine is asked, and this WAIT asks
+                nothing.
+                """
                 while True:
                     world.catch_up()
                     await asyncio.sleep(0.01)

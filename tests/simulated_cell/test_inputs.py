@@ -1,4 +1,4 @@
-"""The inputs of a simulated robot as a state machine."""
+"""Tests of the inputs of a simulated robot as a state machine."""
 
 import math
 
@@ -41,7 +41,9 @@ HAPPENINGS = st.lists(
 
 
 def played(script, happenings, looks, end=12.0):
-    """All that is set up to the end, with the time passing in steps that end at `looks` as well."""
+    """Return all values that are set until `end`, if time advances from event to event and also stops at
+    `looks`.
+    """
     inputs, made = Inputs(script), []
     inputs.start(0.0)
     steps = [(when, 0, what) for when, what in happenings] + [(when, -1, None) for when in looks]

@@ -1,4 +1,4 @@
-"""A simulated cell on a simulated controller, and on the command line."""
+"""Tests of a simulated cell on a simulated controller and on the command line."""
 
 import pytest
 from click.testing import CliRunner

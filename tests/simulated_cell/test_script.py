@@ -1,11 +1,12 @@
-"""Scripts of inputs: what is read, and what is said of mistakes."""
+"""Tests of reading scripts of inputs, and of the findings about mistakes in them."""
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from programs import planned
 
 from yarclang.pmac.variables import signal_variable
-from yarclang.simulated_cell.script import Change, Known, load_script, read_script, read_setting
+from yarclang.simulated_cell.script import Change, Known, known_in, load_script, read_script, read_setting
 from yarclang.source import SourceFile
 
 KNOWN = Known(
@@ -192,3 +193,17 @@ def test_a_setting_is_read():
     assert read_setting("part_ready=on", KNOWN).value == (Change("M11", 1.0, at=0.0),)
     assert read_setting("M12=2.5", KNOWN).value == (Change("M12", 2.5, at=0.0),)
     assert read_setting("GRIP=1", KNOWN).diagnostics[0].code == "Y1618"
+
+
+def test_a_command_whose_beginning_a_run_does_not_report_is_said():
+    text = (
+        "INPUT DOOR M11\nOUTPUT LAMP M1 OFF\nP0010 MOVEJ 5 0 0 0 0 0 [2] (deg,s)\nP0020 SET LAMP ON\n"
+        'P0030 WAIT [1] (s)\nP0040 WAIT DOOR ON [5] (s) ELSE\n  P0050 HOLD "shut the door"\nEND\n'
+    )
+    known = known_in(planned(text)[0].program, None)
+    for place in ("P0010", "P0040", "P0050"):
+        assert read(entry(input='"M11"', at=None, place=f'"{place}"'), known).diagnostics == ()
+    for place in ("P0020", "P0030"):
+        (found,) = read(entry(input='"M11"', at=None, place=f'"{place}"'), known).diagnostics
+        assert found.code == "Y1618"
+        assert place in found.message

@@ -1,4 +1,4 @@
-"""Sensors of a cell: what they see while a robot moves parts."""
+"""Tests of a cell's sensors while a robot moves parts."""
 
 import numpy as np
 import pytest
@@ -44,7 +44,7 @@ def cell_with(*texts):
 
 
 def grip_at(robot, cell, q):
-    """Where the gripper is [mm]."""
+    """Return the gripper's position [mm]."""
     flange = flange_poses(robot.chain, q[None])[0]
     return (flange @ cell.grips["M1"].flange_from_grip)[:3, 3] * 1000.0
 
@@ -84,7 +84,7 @@ def test_a_part_is_seen_taken_and_followed_by_the_next():
     away = q.copy()
     away[0] += 1.0
     place = grip_at(robot, cell, q)
-    # only the part is near: the sensor looks at its far side
+    # only the part is near the sensor, which looks at the part's far side
     robot, cell = cell_with(near(place, count=2), proximity((place[0], place[1] + 35, place[2])), VACUUM)
     sensing = Sensing(robot, cell)
     assert sensing.look(away, 0.0) == {"M11": 1.0, "M12": 0.0}
@@ -192,7 +192,9 @@ def test_sensors_look_at_exact_times_however_time_passes(step):
 
 @pytest.mark.parametrize("turn", [0, 30])
 def test_a_beam_sees_a_part_wherever_it_goes_through_it(turn):
-    """Also through its very middle, where the distance of both comes out as tiny and not as zero."""
+    """A beam also sees a part if it goes through its very middle, where rounding makes the distance of beam
+    and middle tiny rather than zero.
+    """
     part = (
         "[[parts]]\n"
         'name = "BOX"\n'

@@ -1,10 +1,13 @@
-"""A machine of few words, for tests of what is around it."""
+"""A minimal machine, for tests of the code around it."""
 
 from yarclang.simulator.network.reply import Reply, framed
 
 
 class Echo:
-    """Answers a line with itself; `ERR6` with error 6, `LONG300` with 300 lines, `SET` with nothing."""
+    """A machine that answers a line with itself.
+
+    It answers `ERR6` with error 6, `LONG300` with 300 lines, and `SET` with nothing.
+    """
 
     def __init__(self):
         self.now = 0.0

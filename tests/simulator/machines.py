@@ -14,7 +14,7 @@ EXAMPLES = {"INDUSTRIAL6": "01_listing4", "TRACKED_MANIPULATOR": "03_differentia
 
 
 def bare(*definitions, record=True):
-    """A machine with motors of simple axes in &1, closed-loop, no limits; rotary of 1000 words."""
+    """Return a machine with closed-loop motors in &1, without limits, and with a rotary of 1000 words."""
     machine = Machine(record=Recorder() if record else None)
     say(machine, "I3=2I6=1", "&1")
     for number, definition in enumerate(definitions or ("1000X", "1000Y"), 1):
@@ -24,7 +24,7 @@ def bare(*definitions, record=True):
 
 
 def say(machine, *lines):
-    """Commands that must be accepted; what the last one answers."""
+    """Send commands, which must be accepted, and return the answer to the last one."""
     for line in lines:
         reply = machine.command(line)
         assert reply.error is None, (line, reply)
@@ -50,7 +50,7 @@ def robot_machine(name, record=True):
 
 @cache
 def example(robot, target, **request):
-    """The compiled example of a robot."""
+    """Return the compiled example of a robot."""
     from conftest import EXAMPLES as FOLDER
 
     text = (FOLDER / f"{EXAMPLES[robot]}.yarc").read_text()
@@ -63,9 +63,9 @@ def lines_of(text):
 
 
 def feed(machine, lines, keep=60, step=0.05, until=1e9):
-    """Load a rotary's text as a streaming client does: as long as there is room, and R once it is loaded.
+    """Load a rotary's text as a streaming client does; return how many lines were accepted.
 
-    Returns how many lines were taken.
+    Lines are sent whenever there is room, and R once the buffer is loaded.
     """
     started, at = False, 0
     while at < len(lines) and machine.now < until:

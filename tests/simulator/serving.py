@@ -1,4 +1,4 @@
-"""A server beside the test, and clients for it."""
+"""A server in the test's process, and clients for it."""
 
 import contextlib
 import socket
@@ -11,7 +11,7 @@ from yarclang.simulator.network.embedded import EmbeddedSimulator
 
 @contextlib.contextmanager
 def served(machine, *faults, **options):
-    """The port of a server that runs in a thread of its own."""
+    """Yield the port of a server that runs in a thread."""
     with EmbeddedSimulator(
         machine, faults=[parse_fault(text) for text in faults], leashed=False, **options
     ) as simulator:
@@ -19,7 +19,7 @@ def served(machine, *faults, **options):
 
 
 class Client:
-    """Our codec on a plain socket."""
+    """A client with the runtime's codec on a plain socket."""
 
     def __init__(self, port, timeout=5.0):
         self.socket = socket.create_connection(("127.0.0.1", port), timeout=timeout)
@@ -33,7 +33,7 @@ class Client:
         self.socket.close()
 
     def ask(self, request):
-        """The event that answers a request."""
+        """Send a request, and return the event that answers it."""
         connection = self.connection
         data = connection.send(request, time.monotonic(), self.timeout)
         while True:

@@ -1,5 +1,6 @@
-"""What the simulator is for: compiled programs end where the plan ends, move as the certificate says, and an
-hour of it takes no more memory than ten minutes.
+"""Acceptance: compiled programs end where the plan ends, and move as the certificate says.
+
+An hour of simulation takes no more memory than ten minutes.
 """
 
 import gc
@@ -25,10 +26,10 @@ BOTH = pytest.mark.parametrize("name", EXAMPLES)
 TARGETS = pytest.mark.parametrize("target", ["prog", "rotary"])
 
 FULL = 6
-"""ERR006: no room."""
+"""Number of the error for a full buffer (ERR006)."""
 
 STEP = 1e-3
-"""Between two instants of a trace [s]."""
+"""Time between two instants of a trace [s]."""
 
 
 # over TCP
@@ -41,7 +42,7 @@ def numbers(client, question):
 
 
 def write(client, lines):
-    """Lines in a packet; how many were taken before there was no room."""
+    """Send lines in a packet; return how many were accepted before the buffer was full."""
     event = client.ask(Write(tuple(lines)))
     assert isinstance(event, Written), event
     assert event.error in (None, FULL), (event, lines[event.line - 1])
@@ -49,7 +50,7 @@ def write(client, lines):
 
 
 def stream(client, lines):
-    """As a streaming client does: fill, R, refill as soon as there is room; the rotary stays open."""
+    """Stream lines: fill the buffer, send R, and refill it when there is room; the rotary stays open."""
     at, running = 0, False
     while at < len(lines):
         wanted = fitting(lines, at)
@@ -69,7 +70,7 @@ def stream(client, lines):
 
 
 def when_it_stands(client, motors):
-    """All lines are calculated, and no motor moves: of a rotary "running" stays for ever."""
+    """Wait until all lines are calculated and no motor moves; with a rotary, "running" never ends."""
     for _ in range(5000):
         word = int(client.ask(Ask("&1??")).items[0][:6], 16)
         still = [int(client.ask(Ask(f"#{n}?")).items[0][:6], 16) >> 13 & 1 for n in motors]
@@ -80,8 +81,10 @@ def when_it_stands(client, motors):
 
 
 def over_tcp(name, target, rate):
-    """A machine that got an example through a socket and executed it, and what it said of its positions:
-    P1 to P6, and commanded and actual positions of the motors in counts.
+    """Execute an example that was sent over TCP.
+
+    Return the machine and the positions that it reported: P1 to P6, and the motors' commanded and actual
+    positions in counts.
     """
     robot, machine = robot_machine(name)
     lines = lines_of(example(name, target).text)
@@ -116,7 +119,7 @@ def test_examples_through_tcp_end_where_the_plan_ends(name, target, rate):
     assert np.abs(actual - counts).max() < 1.0
     a_count = np.abs(from_counts(robot, counts + 1.0) - from_counts(robot, counts)).max()
     assert np.abs(joints * robot.axis_units - end).max() < a_count
-    # the examples end where they begin, so look at the way too
+    # the examples end where they begin, so the path is compared as well
     begun, times = clock(machine, compiled)
     planned = to_counts(robot, compiled.plan.sample(times)[0])
     assert np.ptp(planned, axis=0).max() > 100_000
@@ -124,7 +127,7 @@ def test_examples_through_tcp_end_where_the_plan_ends(name, target, rate):
 
 
 def clock(machine, compiled, count=400):
-    """When the programmed motions began in a machine's record, and instants from then on."""
+    """Return the time at which the programmed motions began in a machine's record, and later instants."""
     times = [time for times in machine.record._times.values() for time in times]
     duration = compiled.certificate.duration
     return max(times) - duration, np.linspace(0.0, duration - 1e-9, count)
@@ -135,9 +138,7 @@ def clock(machine, compiled, count=400):
 
 @cache
 def executed(name, target):
-    """The robot, the compiled example, and each of its commands as the machine executed it: joints in SI
-    (N, n).
-    """
+    """Return the robot, the compiled example, and the joint positions of each executed command (N, n)."""
     robot, machine = robot_machine(name)
     compiled = example(name, target)
     if target == "prog":
@@ -160,9 +161,7 @@ def executed(name, target):
 @BOTH
 @TARGETS
 def test_the_trace_agrees_with_the_certificate(name, target):
-    """Differences of positions are means of velocity and acceleration, so that they never exceed a true
-    bound.
-    """
+    """Differences of positions are means of velocity and acceleration, so they never exceed a true bound."""
     robot, _, traces = executed(name, target)
     limits = robot.limits
     for command, step, counts in traces:
@@ -178,7 +177,7 @@ def test_the_trace_agrees_with_the_certificate(name, target):
 
 
 class Trace:
-    """Joint positions as `independent.off_line` asks for them."""
+    """Joint positions in the form that `independent.off_line` expects."""
 
     def __init__(self, q):
         self.q = np.degrees(q)
@@ -190,7 +189,7 @@ class Trace:
 
 
 def goal_of(index, point, rotation):
-    """The goals of the lines of examples/03, worked out here: where the tool is to be [mm], and how."""
+    """Return the goal of a line in examples/03, computed here: position [mm] and orientation of the tool."""
     match index:
         case "P0040":
             return point - np.array([0, 0, 80]), rotation
@@ -214,7 +213,7 @@ def test_the_tool_stays_as_near_to_its_line_as_the_certificate_proves(target):
         assert angle <= np.degrees(command.deviation.angle) + 1e-6, (command.index, angle)
 
 
-# what is accepted, and what isn't
+# accepted and refused texts
 
 
 @BOTH
@@ -254,7 +253,7 @@ def test_a_bare_machine_refuses_a_program_until_it_is_set_up(industrial6):
 
 
 def size(root):
-    """Bytes of all that can be reached from an object, code and types left out."""
+    """Return the bytes of all objects that can be reached from an object, except code and types."""
     seen, total, todo = {id(root)}, 0, [root]
     while todo:
         one = todo.pop()
@@ -269,7 +268,7 @@ def size(root):
 
 
 def after_ten_minutes_and_an_hour(machine, work):
-    """Sizes of a machine after 10 and 60 minutes of its time; `work` lets some of it pass."""
+    """Return the sizes of a machine after 10 and 60 minutes of its time, which `work` lets pass."""
     sizes = []
     for minutes in (10, 60):
         while machine.now < minutes * 60.0:

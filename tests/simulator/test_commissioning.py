@@ -1,4 +1,4 @@
-"""Motors that are tuned as somebody would tune them: a fast motion of fine counts is no fault."""
+"""Tuned motors: a fast motion with fine counts isn't reported as a fault."""
 
 from dataclasses import replace
 
@@ -15,12 +15,12 @@ from yarclang.runtime.pmac.performance import connect, perform
 from yarclang.simulator.commissioning import commissioned, fatal_limit
 
 FINER = 20.0
-"""How much finer than usual the motors count."""
+"""Factor by which the motors' counts are finer than usual."""
 
 
 @pytest.fixture(scope="module")
 def fine():
-    """An arm whose encoders count finely, as those of a slide of 10,000 counts/mm do."""
+    """Return an arm with fine encoders, such as those of a slide with 10,000 counts/mm."""
     robot = load_robot("INDUSTRIAL6").value
     actuation = robot.actuation
     return replace(

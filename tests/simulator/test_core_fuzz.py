@@ -1,4 +1,4 @@
-"""Whatever is sent, the machine answers: no exception, no hang, bounded memory."""
+"""The machine answers anything that is sent, without an exception or a hang, and with bounded memory."""
 
 from floors import exercises
 from hypothesis import example, given, settings

@@ -1,4 +1,4 @@
-"""Motions: every mode against its rule, by the recorder at any instant."""
+"""Motions of every mode follow their rule, as recorded at any instant."""
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ def trace(machine, *times):
 
 
 def test_spline1(conformance):
-    """Position at any instant agrees with the conformance file to 1e-9."""
+    """The position at any instant agrees with the conformance file to 1e-9."""
     data = conformance("spline1")
     machine = bare("1000X", "1000Y")
     program(machine, f"LINEAR TA1 TS0 TM1 X{data['start'][0]}Y{data['start'][1]} DWELL0")
@@ -48,7 +48,7 @@ def test_segment_time_is_kept_in_4096ths_and_clipped():
     assert not system.busy
     ends = [time for time in machine.record._times[1] if time > 0]
     assert ends[0] == pytest.approx(round(5.0001 * 4096) / 4096e3, abs=1e-12)
-    # 4 segments of the first time, 3 of the longest
+    # 4 segments with the first time, and 3 with the longest
     assert ends[-1] == pytest.approx(4 * round(5.0001 * 4096) / 4096e3 + 3 * (4.096 - 1e-3 / 4096), abs=1e-9)
 
 
@@ -65,7 +65,7 @@ def test_other_segment_time_ends_the_sequence():
     program(machine, "SPLINE1 TM50", "X1", "X2", "TM100", "X3")
     say(machine, "B1R")
     machine.advance(1)
-    # at rest on 2 after (2 + 2) 50 ms
+    # motor 1 rests at X2 after (2 + 2) 50 ms
     assert trace(machine, 0.2)[0, 0] == pytest.approx(2000)
     assert machine.record.velocities(1, np.array([0.2]))[0] == pytest.approx(0, abs=1e-6)
     assert trace(machine, 0.5)[0, 0] == pytest.approx(3000)
@@ -89,7 +89,7 @@ def test_linear_moves_blend_around_the_corner():
     say(machine, "B1R")
     machine.advance(2)
     at = trace(machine, 0.4, 0.45, 0.5, 0.9)
-    # the corner is cut by V TA / 8
+    # the corner is cut off by V TA / 8
     assert at[1] == pytest.approx([10000 - 25 * 100 / 8, 25 * 100 / 8])
     assert at[0] == pytest.approx([8750, 0])
     assert at[2] == pytest.approx([10000, 1250])
@@ -141,7 +141,7 @@ def test_rapid_each_motor_by_itself():
     times = np.linspace(0, 2, 2001)
     fast = [np.abs(machine.record.velocities(n, times)).max() for n in (1, 2)]
     assert fast == pytest.approx([10e3, 20e3])
-    # way / v + v / a
+    # distance / v + v / a
     assert trace(machine, 1.1, 0.7)[[0, 1], [0, 1]] == pytest.approx([10000, 10000])
     assert trace(machine, 0.65)[0, 1] < 9999
 
@@ -232,7 +232,7 @@ def test_hold_stays_on_the_path_and_resumes():
     say(other, "H")
     other.advance(2)
     held = other.positions()
-    # I5195 = 1644: 1 s from 100 %, half a second of the program
+    # I5195 = 1644: the pace decreases from 100 % in 1 s, which is half a second of the program
     assert held == pytest.approx(machine.positions(np.array([1.5]))[0], abs=1)
     assert other.positions() == pytest.approx(held)
     assert error(other, "R") is None
@@ -366,7 +366,7 @@ def test_axes_may_be_defined_between_programs(held):
 
 
 def test_a_jog_in_a_hold_is_not_cut_off():
-    """A pause that ends in a hold waits for R before the next move begins."""
+    """After a hold in a pause, the next move begins only after R."""
     machine = bare("1000X")
     say(machine, "I122=10 I119=1 I120=0 I121=0 I5195=100000")
     program(machine, "LINEAR TA10TS0 TM100", "X1", "DWELL1000", "X5")
@@ -441,7 +441,9 @@ def test_running_dry_is_no_error():
 
 @pytest.mark.parametrize(("at", "late"), [(0.25, False), (0.35, True)])
 def test_how_late_a_line_may_come(at, late):
-    """Behind X1 X2 X3 the end piece begins with segment 3, 0.3 s after the start."""
+    """After X1 X2 X3, the end piece of the spline begins 0.3 s after the start. A further line must come
+    before this time.
+    """
     machine = bare("1000X")
     rotary(machine, "SPLINE1 TM100", "X1", "X2", "X3")
     say(machine, "R")
@@ -456,7 +458,10 @@ def test_how_late_a_line_may_come(at, late):
 
 
 def test_synchronous_assignment():
-    """It fires where its move begins, not when it is calculated, and not at all behind the last move."""
+    """A synchronous assignment is executed where its move begins, not when it is calculated.
+
+    An assignment after the last move isn't executed at all.
+    """
     machine = bare("1000X")
     program(machine, "SPLINE1 TM100", "X1", "M1==1", "X2", "X3", "M2==1")
     say(machine, "M1->*", "M2->*", "B1R")

@@ -1,4 +1,4 @@
-"""Lines and their answers: variables, addressing, errors, status words, buffers."""
+"""Lines and their answers: variables, addresses, errors, status words and buffers."""
 
 import pytest
 from simulator.machines import bare, error, program, robot_machine, rotary, say
@@ -427,7 +427,7 @@ def test_a_port_has_its_own_addresses():
 
 
 def test_rotary_of_listing_3():
-    """The order of the paper's driver."""
+    """The lines are in the order of the paper's driver."""
     machine = bare()
     rotary(machine, "CLEAR")
     for line in (

@@ -1,4 +1,4 @@
-"""Programs: what yarcc emits on commissioned machines, and what programs may say otherwise."""
+"""Programs that yarcc writes, on commissioned machines, and other contents of programs."""
 
 import re
 from itertools import pairwise
@@ -30,7 +30,7 @@ def at_start(name, target, off=0.0, **request):
 
 
 def joints(robot, machine):
-    """PLC 0's feedback in SI."""
+    """Return the joint positions of PLC 0 in SI units."""
     names = robot.controller.feedback
     return np.array([float(say(machine, name)[0]) for name in names]) * robot.axis_units
 
@@ -42,13 +42,13 @@ def ends_as_planned(robot, machine, plan):
 
 
 def rounding(value):
-    """What the text's decimals may move a joint [rad or m]: half of the last one."""
+    """Return the rounding of a joint by the text's decimals [rad or m], half of the last decimal."""
     decimals = max(map(len, re.findall(r"[A-CU-Z]-?\d+\.(\d+)", value.text.split("SPLINE1")[1])))
     return np.deg2rad(0.51 * 10.0**-decimals)
 
 
 def deviation(robot, machine, plan, begin):
-    """The largest distance of the trace from the plan [rad or m]."""
+    """Return the largest distance of the trace from the plan [rad or m]."""
     times = np.linspace(0.0, plan.duration, 4001)
     got = from_counts(robot, machine.positions(begin + times))
     return np.abs(got - plan.sample(times)[0]).max()
@@ -75,7 +75,7 @@ def test_rotary_runs_as_planned(name):
     assert feed(machine, lines) == len(lines)
     machine.advance(60)
     ends_as_planned(robot, machine, value.plan)
-    # it begins behind RAPID and DWELL0, where the commanded position leaves the start
+    # the program begins after RAPID and DWELL0, where the commanded position leaves the start
     times = machine.record._times[robot.controller.motors[0]]
     tm = value.plan.motions[0].curve.segment
     begin = next(a for a, b in pairwise(times[1:]) if b - a == pytest.approx(tm, abs=1e-9))
@@ -106,7 +106,7 @@ def test_prog_off_its_start_does_not_move():
     machine.advance(value.plan.duration + 0.01)
     assert machine.messages() == ()
     ends_as_planned(robot, machine, value.plan)
-    # behind the second turn of the loop the calculation goes on at the next real-time interrupt
+    # after the second pass of the loop, the calculation continues at the next real-time interrupt
     begin = next(time for time in machine.record._times[1] if time > begin)
     assert begin - asked < machine.interrupt + 1e-9
     assert deviation(robot, machine, value.plan, begin) < rounding(value)
@@ -138,18 +138,18 @@ def test_guard_holds_on_the_path_when_the_host_is_silent():
     assert say(machine, ARMED) == ("2",)
     held = machine.positions()
     assert machine.systems[1].drive.held_at is not None
-    # on the path: between two samples of the plan
+    # the robot is on the path, between two samples of the plan
     q = from_counts(robot, held)
     plan = value.plan
     times = np.linspace(0, plan.duration, 200001)
     assert np.abs(plan.sample(times)[0] - q).max(axis=1).min() < 1e-5
-    # within the hold time, and the reserve of the guard's PLC
+    # the robot is at rest within the hold time and the reserve of the guard's PLC
     ends = max(t for t in machine.record._times[1])
     motors = machine.record.velocities(1, np.linspace(silent, ends, 1000))
     assert motors[-1] == 0
     changes = [t for t in machine.record._times[1] if t > silent]
     assert changes[-1] - changes[-2] <= robot.controller.hold_time + 1e-3
-    # refilled, it goes on
+    # after a refill, the program continues
     say(machine, "CLOSE ALL", "OPEN ROT")
     at = taken
     while at < len(lines) and machine.command(lines[at]).error is None:
@@ -348,7 +348,7 @@ def test_plc_addresses_what_there_is(address):
 
 
 def test_cmd_sends_control_characters():
-    """A program stops motors with CMD^A; what isn't a control character does nothing."""
+    """A program stops motors by CMD^A; texts that aren't control characters have no effect."""
     machine = bare("X")
     for word in ('CMD"^"', 'CMD"^AB"', "CMD^A", 'CMD"^A"'):
         say(machine, "I122=10 I120=0 I121=0 #1J+")
@@ -367,7 +367,7 @@ def test_cmd_sends_control_characters():
 
 @pytest.mark.parametrize("order", ["$$$", "$$$***", "CLOSE ALL"])
 def test_cmd_resets(order):
-    """What CMD has queued behind a reset is lost with all that ran."""
+    """After a reset by CMD, commands queued after it are lost, with all running programs."""
     machine = bare()
     plc(machine, 1, f'CMD"{order}"', 'CMD"P1=5"', "DISABLE PLC 1")
     say(machine, "I5=2")

@@ -1,4 +1,4 @@
-"""A client that we didn't write: dls-pmaclib, of Diamond Light Source."""
+"""A client by others: dls-pmaclib of Diamond Light Source."""
 
 import pytest
 
@@ -26,7 +26,7 @@ PROGRAM = [
 
 @pytest.fixture
 def peer():
-    """The library, connected to a bare controller."""
+    """Yield the library's client, connected to a bare controller."""
     with served(Machine()) as port:
         pmac = pmac_remote.PmacEthernetInterface(timeout=5)
         pmac.setConnectionParams("127.0.0.1", port)
@@ -36,7 +36,7 @@ def peer():
 
 
 def value(peer, question):
-    """The one value that a line asks for."""
+    """Return the only value that a line asks for."""
     reply, good = peer.sendCommand(question)
     assert good
     assert reply.endswith("\r\x06")
@@ -94,8 +94,8 @@ def test_a_series_says_which_line_was_refused(peer):
 
 
 def test_a_long_listing_comes_in_several_packets(peer):
-    """The library takes a packet that is full and ends with a CR for an error: 1400 isn't so many of these
-    lines.
+    """The library takes a CR at the end of a full packet for an error. So the lines are chosen so that no
+    full packet ends with CR: 1400 isn't a multiple of their length.
     """
     lines = ["CLOSE", "OPEN PROG 9", "CLEAR", "P1=1", *(f"P{n}=1" for n in range(1000, 1500)), "CLOSE"]
     assert all(good for good, *_ in peer.sendSeries(enumerate(lines, 1)))

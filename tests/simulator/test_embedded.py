@@ -1,4 +1,4 @@
-"""A simulator in a thread of its own: it starts, stops, and tells what went wrong inside."""
+"""A simulator in a thread: it starts, stops, and reports errors inside of it."""
 
 import socket
 import threading
@@ -18,7 +18,7 @@ ASK = Ask("P1")
 
 
 class Sick(Echo):
-    """A machine whose time stops after a while."""
+    """A machine that fails after a short time."""
 
     def advance(self, seconds):
         super().advance(seconds)
@@ -27,7 +27,7 @@ class Sick(Echo):
 
 
 class Stuck(Echo):
-    """A machine that is long about a line."""
+    """A machine that takes long for a line."""
 
     def __init__(self):
         super().__init__()

@@ -1,4 +1,4 @@
-"""The controller's end of the Ethernet protocol: packets in any chopping, and what they do."""
+"""The controller's end of the Ethernet protocol: packets in any pieces, and their effects."""
 
 import itertools
 import struct
@@ -49,7 +49,7 @@ def read(parts):
 
 
 class Pair:
-    """A client's connection and a station, with every byte by itself."""
+    """A client's connection and a station, with bytes that are passed on one by one."""
 
     def __init__(self, machine=None, port=0):
         self.machine = machine or Echo()
@@ -121,7 +121,7 @@ def test_any_chopping_gives_the_same_packets(requests, tail, cuts):
 
 @given(st.lists(st.binary(max_size=4000), max_size=10))
 def test_random_bytes_are_bounded(parts):
-    """No crash, and never more kept than one packet."""
+    """Random bytes cause no exception, and at most one packet is kept."""
     reader, station = PacketReader(), Station(Echo(), 0)
     for part in parts:
         for one in reader.receive(part):
@@ -292,7 +292,7 @@ REQUESTS = st.one_of(
 
 @given(st.lists(REQUESTS, max_size=12), st.randoms(use_true_random=False))
 def test_both_ends_together_in_any_chopping(requests, random):
-    """Each request gets the one event that it gets over a wire that cuts nothing."""
+    """Each request gets the same event, into whatever pieces the bytes are cut."""
 
     def conversation(cut):
         station, reader, connection, events = Station(Echo(), 0), PacketReader(), Connection(), []
@@ -335,7 +335,7 @@ LINES = st.one_of(
     )
 )
 def test_a_real_machine_behind_random_packets(packets):
-    """Nothing that comes over the wire stops the machine, or brings a reply that is longer than a packet."""
+    """No packets stop the machine, or cause a reply that is longer than a packet."""
     machine = Machine()
     stations = [Station(machine, port) for port in (0, 1)]
     for code, up, data, value, second in packets:

@@ -1,4 +1,4 @@
-"""Faults: how they are written, when they come, and that they are the same each time."""
+"""Faults: their notation, their times, and their repeatability."""
 
 import math
 import re

@@ -1,5 +1,6 @@
-"""A simulator in the process of its client waits for it: what it doesn't ask takes no time of the machine."""
+"""A simulator in its client's process waits for the client: its time passes only with requests."""
 
+import threading
 import time
 
 import pytest
@@ -79,7 +80,7 @@ def test_who_has_the_leash_says_how_far_time_goes(rate):
         client.ask(ASK)
         simulator.leash.until = machine.now + 0.5
         time.sleep(1.0)
-        # less than the machine's finest step may be left
+        # time stops at the leash's limit, or less than the machine's finest step before the limit
         assert simulator.leash.until - FINEST <= machine.now <= simulator.leash.until + 1e-9
         assert simulator.leash.until - FINEST <= simulator.leash.now() <= simulator.leash.until
         client.ask(ASK)
@@ -91,14 +92,18 @@ def test_who_has_the_leash_says_how_far_time_goes(rate):
 
 
 def test_a_request_that_waits_for_a_busy_computer_lets_no_time_pass():
-    """The client has asked, but the machine's thread gets no turn: what it missed isn't caught up before
-    the answer.
-    """
+    """If a busy computer delays the machine's thread, the missed time doesn't pass before the answer."""
     machine = Echo()
     with EmbeddedSimulator(machine, rate=20.0) as simulator, Client(simulator.port) as client:
         client.ask(ASK)
-        simulator._loop.call_soon_threadsafe(time.sleep, 0.3)
-        time.sleep(0.05)
+        is_busy = threading.Event()
+
+        def work():
+            is_busy.set()
+            time.sleep(0.3)
+
+        simulator._loop.call_soon_threadsafe(work)
+        assert is_busy.wait(10.0)
         before = machine.now
         client.ask(ASK)
         assert machine.now - before <= AHEAD + EXCHANGE

@@ -1,6 +1,4 @@
-"""Compiled programs over the wire to a commissioned machine: both targets end where the plan ends, to a
-count.
-"""
+"""Compiled programs for both targets, sent over TCP to a commissioned machine, end within a count."""
 
 import time
 
@@ -24,7 +22,7 @@ def lines_of(text):
 
 
 def write(client, lines):
-    """Lines in as few packets as they need, each taken whole."""
+    """Send lines in as few packets as possible, each of which must be accepted completely."""
     first = 0
     while first < len(lines):
         packet = Write(tuple(lines[first : first + fitting(lines, first)]))
@@ -41,7 +39,7 @@ def numbers(client, question):
 
 
 def when_it_stands(client, motors):
-    """Wait until the program has ended and all motors' desired velocity is zero."""
+    """Wait until the program has ended, and all motors' desired velocities are zero."""
     for _ in range(2000):
         running = int(client.ask(Ask("&1??")).items[0][:6], 16) & 1
         words = [int(client.ask(Ask(f"#{motor}?")).items[0][:6], 16) for motor in motors]
@@ -84,7 +82,7 @@ def test_a_rotary_at_twenty_times_real_time(robot):
 
 
 def assert_at(client, robot, degrees):
-    """The commanded positions are the joints' in counts, rounded; PLC 0 gives the joints in degrees."""
+    """Check the commanded positions in counts, and the joint positions of PLC 0 in degrees."""
     counts = to_counts(robot, np.radians(degrees))
     motors = robot.controller.motors
     found = np.array(numbers(client, "".join(f"M{motor}61" for motor in motors)))
@@ -131,7 +129,7 @@ def test_faults_of_the_machine_show_in_its_status(robot, fault, bit):
 
 
 def test_after_a_reset_the_framing_tells(robot):
-    """$$$ brings back what was saved, I3 among it; the client sees that its framing is gone."""
+    """$$$ restores the saved I3, so the client notices that the form of replies has changed."""
     machine = commissioned(robot, settings_text(robot))
     with served(machine, "reset@0.3") as port, Client(port, timeout=1.0) as client:
         client.ask(Ask("I6=1 I3=2"))

@@ -1,6 +1,4 @@
-"""The quick ways of reading a line, for questions and for plain moves, against the interpreter that reads
-any line.
-"""
+"""The quick readers for questions and plain moves agree with the interpreter for any line."""
 
 import pytest
 from floors import exercises
@@ -21,7 +19,7 @@ POINTERS = (
     "M8->D:$88", "M9->D:$8B", "M10->X:$130,8,8,S", "M11->L:$10", "M12->*", "M161->D:$C7", "M162->Y:$2140,24",
 )  # fmt: skip
 
-# mostly what exists, so that most lines of questions aren't refused
+# mostly numbers that exist, so that most questions aren't refused
 MOTORS = st.one_of(*[st.integers(1, 32)] * 9, st.sampled_from([0, 33, 40, 100]))
 SYSTEMS = st.one_of(*[st.integers(1, 16)] * 9, st.sampled_from([0, 17, 20, 100]))
 INDICES = st.one_of(
@@ -47,16 +45,14 @@ GLUE = st.sampled_from(["", "", " ", "  ", "\t"])
 
 
 def glued(parts):
-    """Parts as a line: with blanks between, in both cases."""
+    """Draw a line from parts, with spaces between them, in upper, lower or mixed case."""
     return st.tuples(
         st.lists(parts, min_size=1, max_size=5), GLUE, st.sampled_from([str.upper, str.lower, str.title])
     ).map(lambda line: line[2](line[1].join(line[0])))
 
 
 def moving(i9):
-    """A machine in the middle of a program, a jog and a PLC 0, with M-variables that point at what it
-    does.
-    """
+    """Return a machine in the middle of a program, a jog and a PLC 0, with M-variables for their state."""
     machine = bare("1000X+5", "100.5Y", record=False)
     say(
         machine,

@@ -1,4 +1,4 @@
-"""The server on a real socket, loopback only: clients, time, faults."""
+"""The server on a real socket of the loopback interface: clients, time and faults."""
 
 import asyncio
 import os
@@ -36,7 +36,7 @@ ASK = Ask("P1")
 
 
 def answered(data: bytes, port: int, wanted: int) -> bytes:
-    """What comes back for raw bytes."""
+    """Return the answer to raw bytes."""
     with socket.create_connection(("127.0.0.1", port), timeout=5) as raw:
         raw.sendall(data)
         back = b""
@@ -102,7 +102,7 @@ def test_a_client_that_has_gone_makes_room():
             with Client(port) as client:
                 event = client.ask(ASK)
                 if event == Closed(ASK):
-                    time.sleep(0.05)  # the server hears of the ends a moment later
+                    time.sleep(0.05)  # the server notices the closed connections a moment later
                     continue
             break
         assert event == Answer(ASK, ("P1",))
@@ -126,7 +126,7 @@ def test_nonsense_ends_the_connection():
 
 
 def test_a_client_that_never_reads_is_not_read_either():
-    """Questions whose replies nobody takes don't pile up."""
+    """If a client doesn't read its answers, the server stops reading its questions."""
     machine, questions = Echo(), 50_000
 
     async def run():
@@ -147,7 +147,7 @@ def test_a_client_that_never_reads_is_not_read_either():
 
 
 def test_a_name_with_several_addresses_has_one_port():
-    """`localhost` is often 127.0.0.1 and ::1; with port 0 each would take one of its own."""
+    """With port 0, all addresses of a name such as `localhost` get the same port."""
 
     async def run():
         async with SimulatorServer(Echo(), host=["127.0.0.1", "127.0.0.2"], port=0) as server:
@@ -168,13 +168,13 @@ def test_what_is_odd_is_told():
         time.sleep(0.1)
         answered(b"GET / HTTP/1.1\r\n\r\n", port, 100)
     assert told[0] == "fault amplifier@0:3"
-    assert "another client is turned away: the controller keeps 2 connections" in told
+    assert "another client is refused: the controller keeps 2 connections" in told
     assert told[-1].startswith("a connection is closed: 47 45 54")
     assert len(told) == 3
 
 
 class Heavy(Echo):
-    """A machine whose time takes a hundredth of it."""
+    """A machine that needs a hundredth of its time in real time."""
 
     def advance(self, seconds):
         time.sleep(seconds / 100)
@@ -182,7 +182,7 @@ class Heavy(Echo):
 
 
 def test_a_rate_that_the_computer_cannot_keep_up_with():
-    """Time passes slower; clients are answered all the same."""
+    """If the rate is too high for the computer, time passes more slowly, and clients are still answered."""
     machine = Heavy()
     with served(machine, rate=10_000.0) as port, Client(port) as client:
         begun = time.monotonic()
@@ -194,7 +194,7 @@ def test_a_rate_that_the_computer_cannot_keep_up_with():
 
 @pytest.mark.parametrize("rate", [0.5, 1.0, 10.0])
 def test_time_passes_with_the_wall_clock(rate):
-    """Not faster; slower where the computer couldn't follow, which a test can't forbid."""
+    """Time doesn't pass faster than the rate; on a busy computer it may pass more slowly."""
     machine, begun = Echo(), time.monotonic()
     with served(machine, rate=rate):
         time.sleep(0.5)
@@ -232,7 +232,7 @@ def test_drop():
 
 
 def test_drop_in_the_middle_of_a_stream():
-    """The line count drops the connection with the packet that reaches it, before its reply."""
+    """The fault drops the connection at the packet with the given line, before its reply."""
     machine = Echo()
     with served(machine, "drop@line5") as port, Client(port) as client:
         write = Write(("X1", "X2", "X3"))
@@ -368,7 +368,7 @@ def test_an_address_with_colons_is_in_brackets(monkeypatch):
 
 
 def test_yarc_sim_says_what_happens():
-    """Faults as they come, and words of programs that run as something else."""
+    """`yarc sim` prints faults when they occur, and words of programs that are executed in another way."""
     with run_sim("--fault", "amplifier@0.3:2") as process:
         try:
             port = int(re.search(r":(\d+),", process.stdout.readline())[1])
@@ -397,7 +397,7 @@ def test_rates(monkeypatch, text):
 
     for name in ("start", "serve", "close"):
         monkeypatch.setattr(SimulatorServer, name, nothing)
-    shown = {"REAL": "real time", "Max": "as fast as it goes"}.get(text, f"{text} times real time")
+    shown = {"REAL": "real time", "Max": "as fast as possible"}.get(text, f"{text} times real time")
     assert f", {shown};" in CliRunner().invoke(yarc, ["sim", "--rate", text]).stdout
 
 
@@ -419,7 +419,7 @@ def test_yarc_sim_refuses_wrong_usage(arguments):
 
 
 def test_codec_has_no_memory_of_a_connection():
-    """A new connection begins without what was left on the old one."""
+    """A new connection doesn't get what was left on an old one."""
     with served(Echo()) as port:
         with Client(port) as client:
             client.ask(Send("LONG1000"))

@@ -1,5 +1,5 @@
-"""Statements in blocks: what stands wrong is one finding at its place, and the rest is arranged all the
-same.
+"""Tests of statements in blocks: each misplaced statement has one finding, and all others are still put into
+blocks.
 """
 
 import re
@@ -16,7 +16,7 @@ _EXPECTED = re.compile(r"! error: (Y[0-9]{4}) ?(.*)")
 
 
 def outline(nodes):
-    """Nodes as nested lists: a line as its number, a block as its lines from head to END."""
+    """Return nodes as nested lists: a line as its number, and a block as its lines from head to END."""
     found = []
     for node in nodes:
         if isinstance(node, Statement):
@@ -90,20 +90,20 @@ WRONG = {
         "IF A   ! error: Y0113\nREPEAT 4   ! error: Y0113\nP1 STOP",
         [[1, [[2, [3], None]], None]],
     ),
-    "END without a block": ("P1 STOP\nEND   ! error: Y0114 this END ends nothing\nP2 STOP", [1, 3]),
+    "END without a block": ("P1 STOP\nEND   ! error: Y0114 this END has no block to end\nP2 STOP", [1, 3]),
     "one END too many": ("REPEAT 4\nEND\nEND   ! error: Y0114\nP2 STOP", [[1, [], 2], 4]),
     "END too early, and then too few": (
         "END   ! error: Y0114\nREPEAT 4   ! error: Y0113 before the SUB in line 3\nSUB S\nEND",
         [[2, [], None], [3, [], 4]],
     ),
-    "ELSE without a block": ("ELSE   ! error: Y0114 this ELSE belongs to nothing\nP2 STOP", [2]),
+    "ELSE without a block": ("ELSE   ! error: Y0114 this ELSE is not in a block\nP2 STOP", [2]),
     "a second ELSE": (
         (
             "WHEN D ON\n"
             "P1 STOP\n"
             "ELSE\n"
             "P2 STOP\n"
-            "ELSE   ! error: Y0115 the WHEN of line 1 has an ELSE already in line 3\n"
+            "ELSE   ! error: Y0115 the WHEN of line 1 already has an ELSE in line 3\n"
             "P3 STOP\n"
             "END"
         ),
@@ -121,7 +121,7 @@ WRONG = {
     "SUB in a block": (
         (
             "REPEAT 4\n"
-            "SUB S   ! error: Y0116 SUB can't stand in a block: the REPEAT of line 1 is open here\n"
+            "SUB S   ! error: Y0116 SUB isn't allowed in a block: the REPEAT of line 1 is open here\n"
             "P1 STOP\n"
             "END\n"
             "END"
@@ -131,7 +131,7 @@ WRONG = {
     "declarations in a block": (
         "SUB S\n"
         + "".join(
-            f"{line}   ! error: Y0116 {line.split()[0]} can't stand in a block\n"
+            f"{line}   ! error: Y0116 {line.split()[0]} isn't allowed in a block\n"
             for line in (
                 "DEFAULT {B}",
                 "INPUT D M1",
@@ -174,11 +174,11 @@ WRONG = {
         [6],
     ),
     "an END that can't be read": (
-        "REPEAT 4\nP1 STOP\nEND 5   ! error: Y0101 END stands alone\nP2 STOP",
+        "REPEAT 4\nP1 STOP\nEND 5   ! error: Y0101 END must be alone in its line\nP2 STOP",
         [[1, [2], None], 4],
     ),
     "an ELSE that can't be read": (
-        "IF A\nP1 STOP\nELSE IF B   ! error: Y0101 ELSE stands alone\nP2 STOP\nEND",
+        "IF A\nP1 STOP\nELSE IF B   ! error: Y0101 ELSE must be alone in its line\nP2 STOP\nEND",
         [[1, [2], None, [4], 5]],
     ),
 }
@@ -262,7 +262,7 @@ def test_whatever_stands_in_a_file_is_arranged(lines):
 
 @given(st.lists(words, max_size=12), st.integers(0, 11))
 def test_one_end_too_few_is_one_finding(lines, where):
-    """Of a sound file, without one of its END."""
+    """A valid file in which one END is left out has exactly one finding."""
     sound = []
     open_blocks = 0
     for line in lines:

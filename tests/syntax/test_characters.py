@@ -1,5 +1,6 @@
-"""Characters that can't be told from plain ones, or can't be seen: a finding with the place, the name and,
-if it is safe, a fix.
+"""Tests of characters that are invisible, or that look like plain ones.
+
+Each gets a finding with its place and name, and a fix if it is safe.
 """
 
 import re
@@ -82,13 +83,13 @@ def test_names(character, name):
 
 
 def test_messages_show_only_what_can_be_shown():
-    assert one_finding("P1 MOVEJ\u00a0HOME").message == "U+00A0 no-break space can't stand in code"
+    assert one_finding("P1 MOVEJ\u00a0HOME").message == "U+00A0 no-break space isn't allowed in code"
     assert (
         one_finding("P1 MÖVEJ").message
-        == "`Ö` (U+00D6 latin capital letter o with diaeresis) can't stand in code"
+        == "`Ö` (U+00D6 latin capital letter o with diaeresis) isn't allowed in code"
     )
     several = one_finding("P1\u00a0MOVEJ\u00a0HOME\u00a0[5]")
-    assert several.message.endswith("; 2 more of this statement can't either")
+    assert several.message.endswith(", and neither are 2 more of this statement")
     for character in FOREIGN:
         message = one_finding(f"P1 STOP {character}").message
         assert (character in message) == (
@@ -105,8 +106,9 @@ def test_comments_and_texts_hold_what_shows_what_is_read(character, line, where)
     found = parsed(line.format(character)).diagnostics
     if character in BREAKS + TURNS + NOT_TEXT + "\x80\x9f":
         (one,) = found
-        assert one.message == f"{character_name(character)} can't stand in {where}"
-        # what stood in a line of its own in some editor may have been meant as code
+        assert one.message == f"{character_name(character)} isn't allowed in {where}"
+        # no fix for a character that some editors show as a line break: the text after it may be meant as
+        # code
         assert (one.fix is None) == (character not in TURNS)
     else:
         assert found == ()
@@ -178,8 +180,8 @@ def test_a_fix_leaves_nothing_foreign(text, data):
     for _ in range(data.draw(st.integers(1, 4))):
         at = data.draw(st.integers(0, len(text)))
         text = text[:at] + data.draw(st.sampled_from(FOREIGN)) + text[at:]
-    # a character that isn't seen behind a semicolon makes two statements of one, each with its own finding; a
-    # quotation mark that is mended ends a text that stood behind another one, and what was in it is code then
+    # several rounds may be needed: an invisible character after a semicolon splits a statement into two, each
+    # with its own finding, and a repaired quotation mark can turn a text into code
     rounds = 0
     while fixes := [one.fix for one in parsed(text).diagnostics if one.fix is not None]:
         rounds += 1
@@ -201,7 +203,7 @@ def test_what_stands_in_code_is_plain_or_found(text):
 
 @given(st.text(alphabet='P1 LET=A+(){}[]"!$,;\u00a0\u2003\u2028\ufeff\x0b\x1c\u2212', max_size=40))
 def test_the_grammar_explains_any_text(text):
-    """It is asked of foreign characters only if they are operators elsewhere, but never raises."""
+    """The grammar is used only for characters that are operators elsewhere, but it raises for no text."""
     for row in text.split("\n"):
         statement_by_grammar(row)
 

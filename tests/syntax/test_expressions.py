@@ -1,4 +1,4 @@
-"""Expressions are read as Python reads them, where both have them; printed, they say the same."""
+"""Tests of expressions: their trees are those of Python, and survive printing and parsing."""
 
 import ast
 import keyword
@@ -10,6 +10,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from syntax.writing import PYTHONIC, bare, expression, parsed
 
+from yarclang.source import SourceFile
 from yarclang.syntax.ast import Computed, ComputedPercent, Place, Quantity
 from yarclang.syntax.expressions import (
     DEEPEST_EXPRESSION,
@@ -22,6 +23,7 @@ from yarclang.syntax.expressions import (
     parts_of,
 )
 from yarclang.syntax.leaves import Number, Word
+from yarclang.syntax.parse import parse
 from yarclang.syntax.print import print_expression
 from yarclang.syntax.words import OPERATORS
 
@@ -50,13 +52,13 @@ PYTHON = {
 
 
 def read(text):
-    """The tree of an expression, or None where it can't be read."""
+    """Return the tree of an expression, or None if it can't be read."""
     result = parsed(f"LET X = {text}")
     return result.value.statements[0].expression if result.value.statements else None
 
 
 def ours(node):
-    """A tree as nested tuples; brackets only say what belongs together."""
+    """Return a tree as nested tuples. Brackets are left out, because they only group."""
     match node:
         case Bracket(inner):
             return ours(inner)
@@ -74,7 +76,7 @@ def ours(node):
 
 
 def pythons(text):
-    """Python's tree of the same expression as nested tuples, or None where it has none."""
+    """Return Python's tree of the same expression as nested tuples, or None if Python can't read it."""
     text = re.sub(r"(?<![<>])=", "==", text).replace("<>", "!=")
     text = re.sub(r"\b(OR|AND|NOT)\b", lambda match: match[0].lower(), text, flags=re.IGNORECASE)
     try:
@@ -122,7 +124,7 @@ def test_every_sign_and_operator_bind_as_in_python(sign, operator):
     for text in (f"{sign} A {operator} B", f"A {operator} {sign} B", f"A {operator} {sign} B {operator} C"):
         tree = read(text)
         if tree is None and operator in COMPARISONS and sign != "NOT":
-            continue  # a chain of comparisons
+            continue  # Python reads this as a chain of comparisons
         assert (ours(tree) if tree else None) == pythons(text), text
 
 
@@ -134,7 +136,7 @@ def test_signs_follow_each_other_as_in_python(first, second):
 
 @given(expression(primaries=PYTHONIC))
 def test_any_expression_is_read_as_python_reads_it(text):
-    # a name such as `as` is none in Python
+    # some names, such as `as`, are keywords in Python
     assume(
         not any(
             keyword.iskeyword(word) for word in re.findall(r"[a-z]+", text) if word.upper() not in OPERATORS
@@ -268,3 +270,10 @@ def test_the_place_of_a_fault(line, start, end):
     (one,) = parsed(line).diagnostics
     assert (one.span.column, one.span.end_column) == (start, end)
     assert one.span.line == line.count("\n") + 1
+
+
+@pytest.mark.parametrize("condition", ["DOOR OFF AND N < 5", "N < 5 AND DOOR OFF"])
+def test_a_short_condition_beside_another_one_is_answered_with_a_comparison(condition):
+    (found,) = parse(SourceFile("a.yarc", f"WHEN {condition}\nEND\n")).diagnostics
+    assert found.code == "Y0101"
+    assert found.help == "write `DOOR = OFF`"

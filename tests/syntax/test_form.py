@@ -1,6 +1,4 @@
-"""The usual form is written only if it is proved to say the same: words, numbers, comments, and itself in
-form.
-"""
+"""Tests of formatting: it keeps words, numbers and comments, and changes nothing when repeated."""
 
 import pytest
 from conftest import EXAMPLES
@@ -77,17 +75,17 @@ def test_any_text_is_refused_or_keeps_its_comments(text):
 
 
 WRONG = [
-    (lambda text: text.replace("10", "11"), 2, "has other words"),
-    (lambda text: text.replace("{B}", ""), 1, "has other words"),
-    (lambda text: text.replace(" 0 0 ", " 00 "), 2, "is read otherwise"),
-    (lambda text: text.replace("MOVEJ 10", "MOVEJ10"), 2, "can't be read|is read otherwise"),
-    (lambda text: text.replace("why", "who"), 2, "has another comment"),
-    (lambda text: text.replace("  ! why", ""), 2, "has another comment"),
-    (lambda text: text.replace("  ! why", "\n! why"), 2, "has another comment|has other words"),
-    (lambda text: text.replace("P0020 STOP\n", ""), 3, "has another number of lines"),
-    (lambda text: text + "P0030 STOP\n", 1, "has another number of lines"),
-    (lambda text: text.replace("[5]", "[5 ]"), 2, "has another form in turn"),
-    (lambda text: text.replace("(deg,s)", "(deg,s"), 2, "has other words"),
+    (lambda text: text.replace("10", "11"), 2, "has different words"),
+    (lambda text: text.replace("{B}", ""), 1, "has different words"),
+    (lambda text: text.replace(" 0 0 ", " 00 "), 2, "is read differently"),
+    (lambda text: text.replace("MOVEJ 10", "MOVEJ10"), 2, "can't be read|is read differently"),
+    (lambda text: text.replace("why", "who"), 2, "has a different comment"),
+    (lambda text: text.replace("  ! why", ""), 2, "has a different comment"),
+    (lambda text: text.replace("  ! why", "\n! why"), 2, "has a different comment|has different words"),
+    (lambda text: text.replace("P0020 STOP\n", ""), 3, "has a different number of lines"),
+    (lambda text: text + "P0030 STOP\n", 1, "has a different number of lines"),
+    (lambda text: text.replace("[5]", "[5 ]"), 2, "is formatted differently the second time"),
+    (lambda text: text.replace("(deg,s)", "(deg,s"), 2, "has different words"),
 ]
 TEXT = "DEFAULT {TCP} {B}\np0010 movej 10 0 0 0 0 0 [5] (deg,s) ! why\np0020 STOP\n"
 

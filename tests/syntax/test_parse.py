@@ -1,4 +1,6 @@
-"""Parsing never raises, one fault costs one finding, and printing then parsing gives the same tree."""
+"""Tests of parsing: it never raises, each error has one finding, and a printed tree is parsed to the same
+tree.
+"""
 
 import pytest
 from hypothesis import given

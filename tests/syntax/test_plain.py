@@ -1,4 +1,4 @@
-"""What the short way reads is what the grammar reads, to the last column."""
+"""Tests of the quick reader: it reads statements exactly as the grammar does, including all columns."""
 
 import re
 from pathlib import Path
@@ -102,7 +102,7 @@ def test_lines_of_the_examples_are_plain_or_say_why(path):
             or not code
             or code[0] in {"LET", "SUB", "IF", "END", "ELSE", "CALL", "REGISTER", "CASE", "OF", "WHEN"}
             or "CALL" in code[1:2]
-            or "ALLOW" in code  # has two words
+            or "ALLOW" in code  # ALLOW is followed by two words
             or "=" in code
         ):
             continue

@@ -1,5 +1,5 @@
-"""Printing then parsing gives the same tree, for every form of statement and for whole files; blocks are
-indented.
+"""Tests of printing: a printed tree is parsed to the same tree, for every form of statement and for whole
+files. Blocks are indented.
 """
 
 from pathlib import Path
@@ -64,7 +64,7 @@ def squeezed(text):
 
 
 def test_the_contract_is_printed_as_it_is_written():
-    """But for the columns of its comments."""
+    """Printing this file changes at most the columns of its comments."""
     assert squeezed(printed(CONTRACT)) == squeezed(CONTRACT)
 
 

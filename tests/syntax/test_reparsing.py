@@ -1,4 +1,4 @@
-"""An edit of one line parses that line anew, and no other."""
+"""Tests of parsing after an edit: only the edited line is parsed again."""
 
 import pytest
 
@@ -9,7 +9,7 @@ LINES = 5_000
 
 
 class Counted:
-    """The texts of statements that were read, and not recalled."""
+    """Records the texts of statements that are parsed, without those taken from the cache."""
 
     def __init__(self):
         self.read = parsing.plain_statement
@@ -35,7 +35,7 @@ def forget():
 
 
 def program():
-    """Different lines, a loop, and a list that goes on in further lines."""
+    """Return a program of different lines, with a loop, and with a list in several lines."""
     lines = [
         f"P{number:05} MOVEJ {number % 89} 0 {number / 1e4:.4f} 0 0 0 [5] (deg,s)" for number in range(LINES)
     ]

@@ -1,4 +1,4 @@
-"""The saved tables of the grammar are those that Lark makes of it, and are used only then."""
+"""Tests of the saved tables of the grammar: they are those that Lark generates, and others aren't used."""
 
 import json
 
@@ -18,8 +18,9 @@ is_made_with_this = json.loads(TABLES.read_text())["of"].startswith(f"lark {lark
 
 
 def canonical(text):
-    """The tables with states and rules numbered in the order in which they are met: Lark numbers them by
-    chance.
+    """Return the tables with states and rules numbered in the order of their use.
+
+    Lark numbers them in random order.
     """
     content = json.loads(text)
     tables, memo = content["data"]["parser"].pop("parser"), content.pop("memo")
@@ -28,7 +29,7 @@ def canonical(text):
     number_of = {tables["start_states"]["statement"]: 0}
     met = list(number_of)
     automaton = []
-    for state in met:  # which grows
+    for state in met:  # `met` grows during this loop
         actions = {tokens[token]: action for token, action in tables["states"][str(state)].items()}
         row = {}
         for token, (kind, what) in sorted(actions.items()):

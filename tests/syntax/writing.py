@@ -1,4 +1,4 @@
-"""Text of statements, drawn at random, and trees without places: what the tests of this folder share."""
+"""Random texts of statements, and trees without places, for the tests of this folder."""
 
 import dataclasses
 
@@ -16,7 +16,7 @@ def parsed(text):
 
 
 def bare(value):
-    """A tree without places and comments, names as they are compared: what a statement says."""
+    """Return a tree without places and comments, and with names in the form in which they are compared."""
     if isinstance(value, tuple):
         return tuple(map(bare, value))
     if isinstance(value, Number):
@@ -26,14 +26,14 @@ def bare(value):
     if dataclasses.is_dataclass(value):
         left_out = {"place", "line", "rows", "comments"}
         if isinstance(value, Computed | ComputedPercent):
-            left_out.add("text")  # as written, blanks and all
+            left_out.add("text")  # this text contains the blanks as written
         kept = [field.name for field in dataclasses.fields(value) if field.name not in left_out]
         return (type(value).__name__, *(bare(getattr(value, name)) for name in kept))
     return value.upper() if isinstance(value, str) else value
 
 
 def said(text):
-    """What a text's statements say; each of them can be read."""
+    """Return the meaning of a text's statements, all of which must be readable."""
     result = parsed(text)
     assert result.diagnostics == ()
     return bare(result.value.statements)
@@ -71,17 +71,17 @@ LEVELS = (
     "sign",
     "power",
 )
-"""Operators from weak to strong."""
+"""Operators, from those that bind weakest to those that bind strongest."""
 
 
 PRIMARIES = ("number", "name", "name", "quantity", "PI", "bracket", "function", "element", "applied")
 PYTHONIC = ("whole", "word", "word", "PI", "bracket", "function")
-"""Those that Python reads as well."""
+"""Kinds of operands that Python reads as well."""
 
 
 @st.composite
 def expression(draw, level=0, depth=4, primaries=PRIMARIES):
-    """An expression whose operators are at least as strong as those of a level."""
+    """Draw an expression whose operators bind at least as strongly as those of a level."""
     if level == len(LEVELS) or depth == 0:
         return draw(primary(depth, primaries))
 
@@ -177,8 +177,7 @@ def motion(draw):
     return draw(blank).join(parts)
 
 
-# behind VEL, `ACC $A` is an acceleration: a computed share, which no command with VEL takes, can't follow
-# there
+# after VEL, `ACC $A` means an acceleration and can't be the option ACC, which no command with VEL has
 timed_option = st.one_of(
     option.filter(lambda text: not text.startswith("ACC $")),
     number.map(lambda factor: f"STRETCH {factor}"),
@@ -187,7 +186,7 @@ timed_option = st.one_of(
 
 @st.composite
 def timed_motion(draw):
-    """A motion whose way-points have times of their own, some with velocities and accelerations."""
+    """Draw a motion whose waypoints have times, and some of them velocities and accelerations."""
     parts = [draw(index), draw(word)]
     points = []
     for _ in range(draw(st.integers(1, 3))):
@@ -230,7 +229,7 @@ def sub_head(draw):
 
 
 def line(*parts):
-    """Parts with blanks between."""
+    """Draw parts with spaces between them."""
     strategies = [st.just(part) if isinstance(part, str) else part for part in parts]
     return st.tuples(blank, st.tuples(*strategies)).map(lambda drawn: drawn[0].join(drawn[1]).strip())
 
@@ -276,7 +275,7 @@ held = st.one_of(
     line("frame_quat", frame, values, frame),
     line("JOINTS", word, values, st.one_of(units, st.just(""))),
 )
-"""What a block may hold besides blocks."""
+"""Statements in a block, except for blocks."""
 declaration = st.one_of(
     func,
     line("ROBOT", st.one_of(word, st.just('"a/robot.toml"'))),
@@ -296,7 +295,7 @@ block_head = st.one_of(
 
 @st.composite
 def block(draw, depth):
-    """The lines of a block."""
+    """Draw the lines of a block."""
     head = draw(block_head)
     lines = [head, *draw(body(depth - 1))]
     if not head.upper().startswith("REPEAT") and draw(st.booleans()):
@@ -306,7 +305,7 @@ def block(draw, depth):
 
 @st.composite
 def body(draw, depth):
-    """Lines as they may stand in a block."""
+    """Draw lines that may be in a block."""
     lines = []
     for _ in range(draw(st.integers(0, 3))):
         lines += draw(block(depth)) if depth > 0 and draw(st.booleans()) else [draw(held)]
@@ -315,7 +314,7 @@ def body(draw, depth):
 
 @st.composite
 def module(draw):
-    """A whole file, with comments, empty lines and its own idea of indentation."""
+    """Draw a whole file, with comments, empty lines and irregular indentation."""
     lines = []
     for _ in range(draw(st.integers(1, 4))):
         kind = draw(st.sampled_from(["declaration", "sub", "block", "line"]))
@@ -332,4 +331,4 @@ def module(draw):
 
 
 statement = st.one_of(held, held, declaration, sub_head(), block_head, st.sampled_from(["END", "else"]))
-"""One statement of any form."""
+"""Any single statement."""

@@ -1,5 +1,5 @@
-"""Laws of all edits, over whole and broken texts: they never overlap, what they don't touch stays to the
-byte, and nothing is read worse.
+"""Tests of properties of all edits, for sound and broken texts: edits never overlap, all other text stays the
+same to the byte, and no edit adds faults.
 """
 
 import itertools
@@ -42,26 +42,26 @@ def overlap(edits):
 
 
 def untouched(text, edits):
-    """The lines that no edit reaches into, with their ends."""
+    """Return the lines, with their line ends, that no edit touches."""
     lines = lines_with_ends(text)
     reached = set()
     for edit in edits:
         span = edit.span
         last = span.end_line - (span.end_column == 1 and span.end_line > span.line)
         if span.column == 1 and (span.line, span.column) == (span.end_line, span.end_column):
-            continue  # put in before a line
+            continue  # a line is inserted before this one, which stays
         reached.update(range(span.line, last + 1))
     return [line for number, line in enumerate(lines, 1) if number not in reached]
 
 
 def is_part(some, all_of_them):
-    """Whether some lines stand among others in their order."""
+    """Return True if the lines `some` occur among all lines, in the same order."""
     left = iter(all_of_them)
     return all(any(one == other for other in left) for one in some)
 
 
 def holds(text, edited):
-    """What must hold of every edit; the text that it makes."""
+    """Check the properties of every edit, and return the edited text."""
     new = applied(text, edited.edits)
     assert not overlap(edited.edits)
     assert is_part(untouched(text, edited.edits), lines_with_ends(new))
@@ -74,7 +74,7 @@ def holds(text, edited):
 
 
 def some_edit(text, draw):
-    """One edit by chance; None where it is refused."""
+    """Return a random edit, or None if it is refused."""
     found = program(text)
     line = draw.randint(1, max(found.size, 1))
     other = draw.randint(1, found.size + 1)
@@ -144,7 +144,7 @@ def test_what_was_inserted_and_is_deleted_leaves_no_trace(seed):
         edited = insert(before, draw.randint(0, before.size), "WAIT [1] (s)")
     except Trouble:
         return
-    if "new one" in edited.what:  # there was no index left
+    if "new one" in edited.what:  # the insertion gave other commands new indices, because none was free
         return
     new = applied(text, edited.edits)
     try:

@@ -1,4 +1,6 @@
-"""What is taught is where the robot stands: read back, within the digits that are written."""
+"""Tests of taught lines: read back, they lead to where the robot stands, up to the rounding of the written
+digits.
+"""
 
 from pathlib import Path
 
@@ -38,7 +40,7 @@ def made(text, after, taught, joints=STANDS):
 
 
 def last_flange(text):
-    """Where the last motion leads the flange, as the checks read it."""
+    """Return the flange's pose at the goal of the last motion, as the checks read it."""
     program, found = checked(text)
     assert [one for one in found if one.is_error] == []
     goal = program.steps[-1].goal
@@ -56,7 +58,7 @@ def last_flange(text):
 
 
 def same(one, other):
-    assert np.abs(one[:3, 3] - other[:3, 3]).max() < 6e-5  # 0.01 mm at the tool, turned by 0.001 deg
+    assert np.abs(one[:3, 3] - other[:3, 3]).max() < 6e-5  # 0.01 mm at the tool, plus a rotation by 0.001 deg
     assert np.abs(one[:3, :3] - other[:3, :3]).max() < 5e-5
 
 
@@ -82,8 +84,8 @@ def test_taught_is_where_the_robot_stands(taught, units):
     new, _ = made(text, 5, taught)
     same(last_flange(new), flange_poses(ROBOT.chain, STANDS[None])[0])
     touched = touch_up(named(new), new.count("\n"), STANDS) if taught.motion != "DMOVE" else None
-    # the via point of an arc to a frame is counted in it: the end is touched up by its numbers, which are
-    # rounded once more
+    # the numbers of an arc to a named frame are relative to that frame, so that they are rounded once more
+    # when its end is touched up
     assert touched is None or (taught.motion == "MOVEC" and taught.name) or touched.edits == ()
     assert new.startswith(text[: text.index("P0010")].splitlines(keepends=True)[0])
 
@@ -125,11 +127,11 @@ def test_a_line_says_only_what_default_doesnt():
 def test_it_stands_where_it_may():
     new, edited = made(HEAD, 0, Taught("MOVEJ", "joints"))
     assert new.splitlines()[4].startswith("P0005 ")
-    assert "it stands after DEFAULT" in edited.what
+    assert "it comes after DEFAULT" in edited.what
     full = HEAD + "P0011 STOP\n"
     new, edited = made(full, 5, Taught("MOVEJ", "joints"))
     assert [line.split()[0] for line in new.splitlines()[4:]] == ["P0010", "P0020", "P0030"]
-    assert "no index left" in edited.what
+    assert "no index was free" in edited.what
     inside = HEAD + "REPEAT 3\nEND\n"
     assert "\n  P0020 MOVEJ" in made(inside, 6, Taught("MOVEJ", "joints"))[0]
     rows = HEAD + "P0020 MOVEJ_SPLINE 1 0 0 0 0 0;\n 2 0 0 0 0 0 ! b"
@@ -149,18 +151,18 @@ def test_it_stands_where_it_may():
             "FRAME {T} 0 0 0 0 0 0 {B}\n"), 2, Taught("MOVEL"), "only below, in line 3"),
         ("DEFAULT {B} [5] (mm,deg,s) {B}\n", 1, Taught("MOVEL"), "stands still"),
         ("ROBOT TRACKED_MANIPULATOR\n", 1, Taught("MOVEL"), "the program is for TRACKED_MANIPULATOR"),
-        (HEAD, 5, Taught("MOVEC"), "point on its way"),
+        (HEAD, 5, Taught("MOVEC"), "also needs a via point"),
         (HEAD, 5, Taught("MOVEC", via=STANDS), "is the end of the arc"),
         (HEAD, 5, Taught("MOVEL", "joints"), "to a pose"),
         (HEAD, 5, Taught("MOVEJ", "joints", name="HOME"), "declared already, by the robot"),
         (HEAD + "POSE PICK 0 0 0 0 0 0 (mm,deg)\n", 5, Taught("MOVEL", name="PICK"),
             "declared already, in line 6"),
-        (HEAD, 5, Taught("MOVEJ", "joints", name="P7"), "meaning in the language"),
+        (HEAD, 5, Taught("MOVEJ", "joints", name="P7"), "is a word of the language"),
         (HEAD, 5, Taught("MOVEJ", "joints", name="A b"), "is no name"),
-        (HEAD, 5, Taught("MOVEJ", "joints", name="MOVEJ"), "meaning in the language"),
+        (HEAD, 5, Taught("MOVEJ", "joints", name="MOVEJ"), "is a word of the language"),
         (HEAD, 99, Taught("MOVEL"), "there is no line 99"),
         (HEAD + "SUB A\n", 6, Taught("DMOVE"), "depends on the CALL"),
-        (HEAD + "P0020 MOVEJ NOBODY\n", 6, Taught("DMOVE"), "isn't known where the program is"),
+        (HEAD + "P0020 MOVEJ NOBODY\n", 6, Taught("DMOVE"), "the pose before this line isn't known"),
     ],
 )  # fmt: skip
 def test_what_cant_be_taught_says_why(text, after, taught, said):
@@ -177,7 +179,7 @@ def test_an_increment_goes_on_from_where_the_program_is():
     tool = named(text).scope.frame("TORCH").transform
     begin = flange_poses(ROBOT.chain, np.radians([[0, -20, -30, 0, -50, 0]]))[0] @ tool
     end = flange_poses(ROBOT.chain, STANDS[None])[0] @ tool
-    # the loop has shifted it by 0 + 10 + 20 mm along z
+    # the loop has shifted the frame by 0 + 10 + 20 mm along z
     assert frame @ delta.shift == pytest.approx(end[:3, 3] - begin[:3, 3] - frame[:, 2] * 0.03, abs=1e-5)
 
 
@@ -208,7 +210,7 @@ def test_a_pose_is_declared_and_touched_up_by_its_name():
     edited = declare(named(HEAD), "pose", "p7", STANDS)
     text = applied(HEAD, edited.edits) + "P0020 MOVEL P7\nP0030 MOVEJ P7\nP0040 MOVEC 0 0 0; P7\n"
     assert text.splitlines()[4].startswith("POSE P7 ")
-    assert "{" not in text.splitlines()[4]  # DEFAULT's frame holds
+    assert "{" not in text.splitlines()[4]  # the frame of DEFAULT applies
     there = last_flange(text.partition("P0030")[0])
     same(there, flange_poses(ROBOT.chain, STANDS[None])[0])
     elsewhere = STANDS * 0.9

@@ -1,4 +1,6 @@
-"""Forms make lines that compile; templates are proved as they come, on both robots of the library."""
+"""Tests of forms and templates: filled forms compile, and unchanged templates are proved on both robots of
+the library.
+"""
 
 import re
 from pathlib import Path
@@ -82,7 +84,7 @@ def test_a_robot_that_cannot_stand_is_told_what_to_correct(tmp_path):
     yarc("robot", "new", written(tmp_path, text), "--yes", "-o", tmp_path / "r")
     with pytest.raises(Trouble, match="of its effort of 20 N m") as caught:
         new("pick-place", load_robot(str(tmp_path / "r")).value, {}, tmp_path)
-    assert "effort in robot.toml; or begin with the template empty" in caught.value.remedy
+    assert "(an effort also in robot.toml); or begin with the template empty" in caught.value.remedy
 
 
 def named(text):

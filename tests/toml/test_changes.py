@@ -1,4 +1,6 @@
-"""Changes of TOML texts do what they say, and leave all else to the byte."""
+"""Tests of changes of TOML texts: they change the given values, and leave all other text the same to the
+byte.
+"""
 
 import copy
 import difflib
@@ -32,7 +34,7 @@ def source(text):
 
 
 def kept(old, new):
-    """Return how many lines both have, in their order."""
+    """Return the number of lines that both texts have, in the same order."""
     matcher = difflib.SequenceMatcher(None, old.split("\n"), new.split("\n"), autojunk=False)
     return sum(size for _, _, size in matcher.get_matching_blocks())
 
@@ -49,7 +51,7 @@ def test_values_are_read_back(value):
 
 @st.composite
 def paths(draw, data, way=()):
-    """Draw the path of something in a document."""
+    """Draw the path of a value in a document."""
     keys = list(data) if isinstance(data, dict) else list(range(len(data)))
     key = draw(st.sampled_from(keys))
     inner = data[key]
@@ -94,7 +96,7 @@ def test_one_thing_changes_and_all_else_stays(data, text, ending):
 
 @pytest.mark.parametrize("text", EXAMPLES)
 def test_what_people_change(text):
-    """An obstacle is moved, added, and removed again: the text is then what it was before it was added."""
+    """After an obstacle is added and removed again, the text is what it was before."""
     data = tomllib.loads(text)
     new = {"name": "NEW", "shape": "box", "frame": "B", "xyz": [1.5, 0, 0], "size": [1, 2, 3]}
     count = len(data.get("obstacles", []))

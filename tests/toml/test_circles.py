@@ -1,4 +1,4 @@
-"""What hangs on each other."""
+"""Tests of finding circles in tables of parents."""
 
 from hypothesis import given
 from hypothesis import strategies as st

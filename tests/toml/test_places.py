@@ -1,4 +1,4 @@
-"""The places of keys and values in a TOML text."""
+"""Tests of the places of keys and values in a TOML text."""
 
 from __future__ import annotations
 

@@ -1,5 +1,6 @@
-"""Texts with their proofs, and forgeries of both. A forger has the checker: the hash of a forged text is
-put into its proof.
+"""Texts with their proofs, and forgeries of both.
+
+A forger has the checker, so the hash of a forged text is put into its proof.
 """
 
 import copy
@@ -27,7 +28,7 @@ P0090 SET LAMP OFF
 P0100 MOVEJ_RPY 0 1174.4 1176 0 0 0
 P0110 STOP
 """
-"""All kinds of motions that are checked, outputs, a wait and a dwell."""
+"""A program with all kinds of motions that are checked, outputs, a wait and a dwell."""
 
 BLENDED = """DEFAULT {TCP} [3] (mm,deg,s) {B}
 OUTPUT LAMP M20
@@ -54,7 +55,7 @@ P0060 STOP
 
 @cache
 def made(program, robot="INDUSTRIAL6"):
-    """Return text and proof of a program."""
+    """Return the text and the proof of a program."""
     found, diagnostics = compiled(program, robot)
     assert found is not None, [one.message for one in diagnostics]
     proof = proof_of(found)
@@ -63,8 +64,9 @@ def made(program, robot="INDUSTRIAL6"):
 
 
 def table(program, *, bodies=False):
-    """Return the proof of a program as a table that may be changed; without bodies, which take most of the
-    time and have tests of their own.
+    """Return the proof of a program as a dict that may be changed.
+
+    It has no bodies by default, because they take most of the time and have tests of their own.
     """
     proof = json.loads(made(program)[1])
     if not bodies:
@@ -73,19 +75,19 @@ def table(program, *, bodies=False):
 
 
 def refused(text, proof):
-    """Return why a text with a proof (a table) is refused; empty if it isn't."""
+    """Return why the checker refuses a text with a proof (a dict), or an empty text if it doesn't."""
     return verify(text.encode(), json.dumps(proof).encode()).refused
 
 
 def refused_text(program, forged):
-    """Return why a forged text is refused with its program's proof, into which its hash was put."""
+    """Return why the checker refuses a forged text, with a proof that has the forged text's hash."""
     proof = table(program)
     proof["text"] = hashlib.sha256(forged.encode()).hexdigest()
     return refused(forged, proof)
 
 
 def numbers(value, path=()):
-    """Yield the places of all numbers of a proof."""
+    """Yield the paths of all numbers in a proof."""
     if isinstance(value, dict):
         for name, one in value.items():
             yield from numbers(one, (*path, name))
@@ -97,7 +99,7 @@ def numbers(value, path=()):
 
 
 def changed(proof, path, change):
-    """Return a copy of a proof in which the number at a place is changed."""
+    """Return a copy of a proof in which the number at a path is changed."""
     forged = copy.deepcopy(proof)
     inner = forged
     for name in path[:-1]:

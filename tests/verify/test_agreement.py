@@ -1,5 +1,6 @@
-"""Where the judge refuses a text, the small checker does: one number of a move is changed, by little or by
-much.
+"""The small checker refuses every text that the judge refuses.
+
+In the texts, one number of a move line is changed, by little or by much.
 """
 
 import hashlib
@@ -57,11 +58,13 @@ def test_what_the_judge_refuses_is_refused(made_whole):
         )
         forged = proof | {"text": hashlib.sha256(text.encode()).hexdigest()}
         verdict = verify(text.encode(), json.dumps(forged).encode())
-        # both bounds lie above the truth, one a little more than the other
+        # The bounds of judge and checker are both above the true deviation, and either may be the larger one.
+        # So the checker must refuse a text if the judge refuses it even with a tolerance of 110 %.
         assert verdict.refused or not wrong or not is_wrong(found, text, wider), changed
         refused += wrong
         stricter += bool(verdict.refused) and not wrong
-    # both kinds were drawn, and the checker, whose s(t) is that of the unchanged text, is stricter by little
+    # Right and wrong texts were drawn. The checker uses s(t) of the unchanged text, so it is slightly
+    # stricter.
     assert refused > 20
     assert TRIES - refused > 10
     assert stricter < TRIES / 4

@@ -1,4 +1,4 @@
-"""`yarcc --proof` and `yarc verify` as they are typed."""
+"""`yarcc --proof` and `yarc verify` as people use them."""
 
 import json
 

@@ -1,5 +1,6 @@
-"""The checker's durations are those of `lasting`, for ways, loops and waits by chance; another header is
-refused.
+"""The checker's durations are those of `lasting`, for random branches, loops and waits.
+
+Another duration in the header is refused.
 """
 
 import random
@@ -17,12 +18,12 @@ ENDS = {"stop": "finish", "abort": "finish"}
 
 
 class Course:
-    """A course by chance: the checker's text, and the parts of which `lasting` makes a duration."""
+    """A random course: the checker's items, and the parts from which `lasting` computes a duration."""
 
     def __init__(self, seed):
         self.random = random.Random(seed)
         self.items, self.parts, self.barriers = [], [], {}
-        self.exits = []  # of each open loop, how many lead out of it
+        self.exits = []  # for each open loop, the number of EXITs that leave it
         self.add_body(0, loop=False)
         self.text = Text("", "", "", "", "", [], self.barriers, [], [], (0, 0, 0), (0,), self.items, [], 0)
         self.lasting = schedule_of(self.parts).lasting
@@ -34,7 +35,9 @@ class Course:
         self.parts.append("ask" if timeout != "-" else ENDS.get(kind, kind))
 
     def add_body(self, depth, *, loop):
-        """Add items; return True if a way leads past them: what no way reaches is in no text."""
+        """Add items; return True if the program can continue after them, since a text has no unreachable
+        items.
+        """
         for _ in range(self.random.randint(0, 3)):
             what = self.random.choice(["dwell", "wait", "hold", *["when", "loop"] * (depth < 3)])
             if what == "dwell":
@@ -64,7 +67,7 @@ class Course:
         return True
 
     def leave(self, loop):
-        """Perhaps leave a way; return True if it goes on."""
+        """Sometimes end the branch by a stop or a jump; return True if the branch continues."""
         if self.random.random() < 0.5:
             return True
         self.add(self.random.choice(["stop", "abort", *["exit"] * 4 * loop, *["next"] * loop]))

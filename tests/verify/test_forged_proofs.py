@@ -1,4 +1,4 @@
-"""Proofs with a wrong number, for another text, robot or version, or in another form, are refused."""
+"""Proofs with a wrong number or form, or for another text, robot or version, are refused."""
 
 import functools
 import json
@@ -15,7 +15,9 @@ SHARE = 10**10
 
 
 def of_motions(path):
-    """Return True if a number says where a motion is to lead, or proves that it does."""
+    """Return True if a number belongs to the arm, to the start, to a motion's goal, or to the proof of a
+    motion.
+    """
     return path[0] == "motions" or path[:2] in (("robot", "arm"), ("program", "start")) or is_goal(path)
 
 
@@ -24,7 +26,7 @@ def is_goal(path):
 
 
 def changes(path):
-    """Yield changes of a number: each must be refused."""
+    """Yield changes of a number that must be refused."""
     if path[-2] in ("s", "rates"):
         yield lambda one: one + SHARE // 5
         yield lambda one: one - SHARE // 5
@@ -45,7 +47,7 @@ def test_every_number_of_goals_arm_and_proofs_counts():
     shares = [path for path in places if path[-2] in ("s", "rates")]
     others = [path for path in places if path[-2] not in ("s", "rates")]
     assert len(others) > 150
-    # each third number of the robot, the goals and the curves, and some of s(t), in one of the ways
+    # every third number of the arm, the goals and the curves, and some values of s(t)
     chosen = [*others[::3], *shares[:: max(1, len(shares) // 30)]]
     tried = [(path, list(changes(path))[number % 2]) for number, path in enumerate(chosen)]
     assert len(tried) > 80
@@ -92,7 +94,7 @@ def test_numbers_that_are_none_are_refused(number):
     proof = table(BLENDED)
     for path in list(numbers(proof))[::61]:
         forged = changed(proof, path, lambda _: number)
-        # nothing ends in a traceback, whatever is accepted
+        # no change causes a traceback, even if it is accepted
         assert isinstance(refused(text, forged), str)
 
 
@@ -147,14 +149,12 @@ def test_a_motion_without_its_proof_is_named_as_unchecked():
     verdict = verify(text.encode(), json.dumps(proof).encode())
     assert not verdict.refused
     title = proof["program"]["steps"][int(step)]["title"]
-    assert any(one.startswith(f"{title}: its path") for one in verdict.unchecked)
+    assert any(one.startswith(f"{title}: path, goal, time and speed (") for one in verdict.unchecked)
     text, _ = made(SPEEDS)
     verdict = verify(text.encode(), json.dumps(table(SPEEDS) | {"motions": {}}).encode())
     assert [one for one in verdict.unchecked if "P0020" in one or "P0030" in one] == [
-        "P0020 MOVEL 3: its speed of [50, 50]",
-        "P0020 MOVEL 3: its path, of which the proof says nothing",
-        "P0030 MOVEL 4: its ceiling of 80",
-        "P0030 MOVEL 4: its path, of which the proof says nothing",
+        "P0020 MOVEL 3: path, goal, time and speed (its path, of which the proof says nothing)",
+        "P0030 MOVEL 4: path, goal, time and speed (its path, of which the proof says nothing)",
     ]
 
 
@@ -185,8 +185,7 @@ def test_speeds_are_neither_exceeded_nor_missed():
     assert "faster than its speed" in refused(text, changed(table(SPEEDS), speed, lambda _: 49.9))
     assert "faster than its ceiling" in refused(text, changed(table(SPEEDS), ceiling, lambda _: 60))
     forged = changed(table(SPEEDS), speed, lambda _: 50.2)
-    verdict = verify(text.encode(), json.dumps(forged).encode())
-    assert verdict.refused or any("its speed, which it keeps on no" in one for one in verdict.unchecked)
+    assert "slower than its speed" in refused(text, forged)
     kept = table(SPEEDS)
     kept["program"]["steps"][1]["kept"] = 0.5
     assert refused(text, kept) == ""
@@ -216,7 +215,7 @@ VALUES = [
 
 
 def parts(value, path=()):
-    """Yield the places of all parts of a proof."""
+    """Yield the paths of all parts of a proof."""
     yield from [path] if path else []
     inner = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
     for name, one in inner:
@@ -235,7 +234,7 @@ def test_whatever_stands_in_a_proof_is_judged_without_a_traceback():
                 inner = functools.reduce(operator.getitem, outer, proof)
                 inner[name] = draw.choice(VALUES)
             except (KeyError, IndexError, TypeError):
-                continue  # changed away before
+                continue  # an earlier change has removed this place
         refusals += bool(refused(text, proof))
     assert refusals > 100
 
@@ -274,7 +273,7 @@ def test_no_character_of_a_proof_reaches_the_terminal_unless_it_is_printed(hosti
     next(step for step in proof["program"]["steps"] if "move" in step)["unchecked"] = f"a{hostile}checked:"
     said = report("one.pmc", verify(text.encode(), json.dumps(proof).encode()))
     assert all(line.isprintable() for line in said.split("\n"))
-    assert f"a\\u{ord(hostile[0]):04x}" in said
+    assert f"a\\u{ord(hostile[0]):04x}" in said or "a\\nchecked" in said
 
 
 OF_FRAMES = """DEFAULT {TCP} [MIN] (mm,deg,s) {B}
@@ -286,9 +285,7 @@ P0040 STOP
 
 
 def test_what_is_told_of_a_frame_while_joints_move_is_checked():
-    """Joints stay within their tolerance, and the frame as well, which is farther away; and it has a
-    ceiling.
-    """
+    """While joints move, the checker also checks the tolerance and the speed ceiling of the frame."""
     text, proof = made(OF_FRAMES)
     verdict = verify(text.encode(), proof.encode())
     assert (verdict.refused, [*verdict.unchecked]) == ("", [*ALWAYS_UNCHECKED])

@@ -1,4 +1,4 @@
-"""Texts that were changed are refused, even where the hash of the proof is that of the changed text."""
+"""Changed texts are refused, even if the proof has the changed text's hash."""
 
 import re
 
@@ -8,12 +8,12 @@ from tests.verify.proof_forging import BLENDED, MOTIONS, WAYS, made, refused_tex
 
 
 def line_of(text, form):
-    """Return the number of the first line that has a form, from 0."""
+    """Return the index of the first line that matches a form."""
     return next(k for k, line in enumerate(text.split("\n")) if re.fullmatch(form, line))
 
 
 def with_line(text, number, *lines):
-    """Return a text with other lines in place of one."""
+    """Return a text in which one line is replaced by others."""
     kept = text.split("\n")
     kept[number : number + 1] = lines
     return "\n".join(kept)
@@ -79,7 +79,7 @@ def test_a_forged_text_is_refused(name):
 
 
 def test_every_changed_number_of_a_move_is_refused():
-    """A move that is 0.05 deg off leaves a path that is 0.002 deg wide, or breaks a limit."""
+    """A move that is off by 0.05 deg leaves its path by more than 0.002 deg, or breaks a limit."""
     text, _ = made(MOTIONS)
     lines = text.split("\n")
     moves = [k for k, line in enumerate(lines) if re.match(r"X-?[0-9].*C-?[0-9]", line)]

@@ -1,5 +1,6 @@
-"""Parts stay where they are when grippers take and leave them; each part that is told elsewhere is refused
-or named.
+"""Parts stay where they are between the times at which grippers take and release them.
+
+A part that the proof has elsewhere is refused, or listed as unchecked.
 """
 
 import copy
@@ -33,9 +34,9 @@ def made(name):
 
 
 def judged(change):
-    """Return the verdict about the first part of a program that carries three, after a change of its bodies.
+    """Return the verdict about a program that carries parts, after a change of the first part's bodies.
 
-    Planes are left out, which have tests of their own.
+    There are no planes, which have tests of their own.
     """
     text, proof = made("05_pick_and_place.yarc")
     forged = json.loads(proof) | {"planes": []}
@@ -112,7 +113,7 @@ def test_a_part_of_which_something_is_not_shown_is_named(change):
 
 
 def test_a_part_is_taken_only_where_an_output_is_set():
-    """Without its SET, which text and proof have both lost, the arm can't take a part."""
+    """If the SET is left out of text and proof, the arm can't take the part."""
     text, proof = made("05_pick_and_place.yarc")
     told = json.loads(proof)
     course = told["program"]["course"]

@@ -1,4 +1,4 @@
-"""Splines of poses, from rest to rest and in chains: the frame is near its curve, or the text is refused."""
+"""Splines of poses, from rest to rest and in chains: a text whose frame leaves its curve is refused."""
 
 import re
 

@@ -1,9 +1,8 @@
-"""The judge and the small checker agree about random programs, and about their texts after a change by
-chance.
+"""The judge and the small checker agree about random programs, and about random changes of their texts.
 
-Usually a few programs are drawn;
+Usually a few programs are drawn.
 `YARCLANG_RANDOM_AGREEMENTS=1000 pytest -s tests/verify/test_random_agreement.py` draws 1,000 and prints the
-figures. Whatever the judge refuses is refused by the checker, or what it has not checked is listed.
+figures. The checker refuses whatever the judge refuses, or lists it as unchecked.
 """
 
 import os
@@ -13,7 +12,7 @@ import pytest
 from tests.verify.agreement import Tried, try_program
 
 COUNT = int(os.environ.get("YARCLANG_RANDOM_AGREEMENTS", "8"))
-"""How many programs are drawn for all arms together."""
+"""Number of programs for all arms together."""
 ROBOTS = ("INDUSTRIAL6", "TRACKED_MANIPULATOR")
 
 
@@ -24,6 +23,15 @@ def test_both_agree_about_random_programs(name):
         try_program(name, seed, tried)
     print(name, dict(tried.counts), dict(tried.unchecked))
     assert tried.faults == []
-    # about half of what is drawn compiles; most changes make a text wrong
+    # about half of the drawn programs compile, and most changes make a text wrong
     assert tried.counts["accepted by both"] >= max(1, count // 4)
     assert tried.counts["changed and refused by both"] >= max(1, count // 4)
+
+
+@pytest.mark.parametrize("seed", [581])
+def test_programs_whose_proof_was_refused_by_mistake(seed):
+    """A speed that just reaches its ceiling needs sharper bounds than the path does (seed 581)."""
+    tried = Tried()
+    try_program("INDUSTRIAL6", seed, tried, changes=0)
+    assert tried.faults == []
+    assert tried.counts["accepted by both"] == 1

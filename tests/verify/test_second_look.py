@@ -1,5 +1,6 @@
-"""What the checker once accepted and mustn't: ends that no piece shows, commands that aren't told, names
-that it doesn't know.
+"""Forgeries that the checker once accepted.
+
+They have ends that no piece covers, commands that aren't listed, or names that the checker doesn't know.
 """
 
 import hashlib
@@ -10,24 +11,30 @@ from fractions import Fraction
 import pytest
 
 from tests.verify.proof_forging import MOTIONS, WAYS, made, table
+from tests.verify.test_conditions import KEPT
+from yarclang.verify.arm import Arm
+from yarclang.verify.course import Moved
 from yarclang.verify.exact import ONE, PI, RefusedError, fixed, sine_and_cosine
 from yarclang.verify.paths import arc
-from yarclang.verify.verdict import verify
+from yarclang.verify.reader import Entry
+from yarclang.verify.room import _zone
+from yarclang.verify.verdict import Verdict, _list_allowed, verify
 
+EYE = [Fraction(k % 5 == 0) for k in range(12)]
+"""An identity pose (3 rows of 4 numbers)."""
 SHORT = """DEFAULT {TCP} [3] (mm,deg,s) {B}
 P0010 MOVEJ_RPY 0 1174.4 1176 0 0 0 [5]
 P0020 MOVEL 150 1174.4 1176 0 0 0 [4] BLEND 4
 P0030 MOVEL 150 1164.4 1176 0 0 5 [2]
 P0040 STOP
 """
-"""A last line that is shorter than a ball may be."""
+"""A program whose last line is shorter than a blend zone may be."""
 
 
 def ends_elsewhere(off):
-    """Return the verdict about SHORT with a ball of 40 mm, whose last line is all blend, and leads `off` deg
-    of J1 away from its goal.
+    """Return the verdict about SHORT with a blend zone of 100 mm, and an end that is off in J1 by `off` deg.
 
-    The proof follows the last line at its end only.
+    The last line is completely in the blend, and the proof follows it only at its end.
     """
     text, _ = made(SHORT)
     proof, lines = table(SHORT), text.split("\n")
@@ -47,7 +54,7 @@ def ends_elsewhere(off):
     forged = "\n".join(lines)
     end = (len(a) + count) << 20
     proof["text"] = hashlib.sha256(forged.encode()).hexdigest()
-    proof["program"]["steps"][1]["blend"] = [40, 0]
+    proof["program"]["steps"][1]["blend"] = [100, 0]
     proof["motions"]["2"] |= {"pieces": 1, "s": [10**10], "rates": [0], "from": end, "until": end}
     return verify(forged.encode(), json.dumps(proof).encode())
 
@@ -76,9 +83,10 @@ def test_what_the_checker_does_not_know_of_a_command_leaves_the_command_unchecke
     steps = table(MOTIONS)["program"]["steps"]
     for at, step in enumerate(steps):
         verdict = judged(lambda proof, at=at: proof["program"]["steps"][at].update(offset=1))
-        said = f"{step['title']}: all of it, since this checker doesn't know its offset"
         assert verdict.refused == ""
-        assert said in verdict.unchecked
+        said = [one for one in verdict.unchecked if one.startswith(f"{step['title']}: ")]
+        assert len(said) == 1
+        assert "all of it, since this checker doesn't know its offset" in said[0].replace("\\'", "'")
     at = next(at for at, step in enumerate(steps) if "through" in step)
     verdict = judged(lambda proof: proof["program"]["steps"][at]["through"][0].update(offset=1))
     assert any("doesn't know its offset" in one for one in verdict.unchecked)
@@ -129,7 +137,9 @@ def test_what_is_told_of_another_kind_of_motion_leaves_the_command_unchecked():
 
 
 def test_after_each_barrier_the_robot_is_led_to_where_it_is_proved_to_stand():
-    """Ways may end apart by the last digit of a text, which may be its third."""
+    """The RAPID after a barrier may not be left out: the ends of branches may differ in a text's last
+    decimal, which may be the third one.
+    """
     text, _ = made(WAYS)
     stand = re.compile(r"(?<=STOP\n)RAPID\nABS\n.*\nDWELL0\nSPLINE1\n")
     assert len(stand.findall(text)) == 3
@@ -171,3 +181,63 @@ def test_an_arc_that_is_nearly_a_circle_is_not_defined_by_its_points():
         else:
             with pytest.raises(RefusedError, match="an arc has other numbers"):
                 arc(*ends)
+
+
+def kept_with(change):
+    """Return the verdict about a text and a proof in which the lines of path constraints are changed."""
+    text, _ = made(KEPT)
+    lines = [line for line in text.split("\n") if line.startswith("; keep ")]
+    count = len(text.split("\n"))
+    forged = text.replace("\n".join(lines), "\n".join(change(list(lines))))
+    assert forged != text
+    assert len(forged.split("\n")) == count  # numbers of lines in the map stay right
+    proof = table(KEPT, bodies=True)
+    registers = proof["program"]["registers"]
+    first = registers.index(lines[0])
+    registers[first : first + len(lines)] = change(list(lines))
+    proof["text"] = hashlib.sha256(forged.encode()).hexdigest()
+    return verify(forged.encode(), json.dumps(proof).encode())
+
+
+def renumbered(lines, step):
+    """Return the lines, with another command in the last line."""
+    return [*lines[:-1], re.sub("^; keep [0-9]+", f"; keep {step}", lines[-1])]
+
+
+@pytest.mark.parametrize("step", [5, 999])
+def test_a_path_constraint_of_no_motion_is_refused(step):
+    """Otherwise the map could state a rule that no motion has to keep."""
+    assert "is for a command without moves" in kept_with(lambda lines: renumbered(lines, step)).refused
+
+
+def test_path_constraints_out_of_order_or_twice_are_refused():
+    assert "out of order" in kept_with(lambda lines: lines[::-1]).refused
+    assert "stands twice" in kept_with(lambda lines: [lines[0], lines[0], *lines[2:]]).refused
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [("60%20%28deg%29", "60%20%28mm%29"), ("500%20%28mm%29", "500%20%28deg%29"), ("deg%2Cmm", "deg")],
+)
+def test_a_path_constraint_in_another_unit_is_refused(old, new):
+    assert "another unit" in kept_with(lambda lines: [line.replace(old, new) for line in lines]).refused
+
+
+def test_a_half_space_with_a_size_is_refused():
+    """If a proof omits the core of a forbidden sphere, the zone isn't taken for a half-space."""
+    arm = Arm(table(KEPT)["robot"] | {"arm": [EYE] * 7})
+    zone = {"name": "BALL", "rule": "forbidden", "margin": Fraction(0), "watched": []}
+    half = {"pose": EYE}
+    assert _zone(zone | {"region": half}, arm)[0]
+    with pytest.raises(RefusedError, match="a half-space that has a size"):
+        _zone(zone | {"region": half | {"radius": Fraction(1, 2)}}, arm)
+
+
+def test_bodies_that_may_touch_during_a_command_without_moves_are_refused():
+    bodies, still = (
+        [{"name": "link_1"}, {"name": "TABLE"}],
+        Moved(Entry(0, "P0010", 0, 0, None, False), (), ()),
+    )
+    for step in (0, 999):
+        with pytest.raises(RefusedError, match="is for a command without moves"):
+            _list_allowed([f"; allow {step} LINK_1 TABLE"], bodies, [still], Verdict())

@@ -1,5 +1,6 @@
-"""A motion that the text leaves out on one way is refused, even where the line above it, on another way,
-leads to its goal.
+"""A motion that the text leaves out in one branch is refused.
+
+This is so even if the line above it, which belongs to the other branch, leads to the motion's goal.
 """
 
 import hashlib
@@ -23,16 +24,14 @@ REST = {
     "after a way that stops": ("  P0030 STOP\nEND\nP0040 MOVEJ 20 0 0 0 0 0 [{time}]\n", "P0040"),
     "on the other way, before it stops": (
         "ELSE\n  P0040 MOVEJ 20 0 0 0 0 0 [{time}]\n  P0045 STOP\nEND\n",
-        "ways that meet",
+        "a RAPID to where the robot doesn't stand",
     ),
 }
-"""What follows the first way, and why the checker refuses it without P0040."""
+"""What follows the first branch, and why the checker refuses it without P0040."""
 
 
 def without(text, step, index):
-    """Return a text without the moves of a command, whose map is moved along and says that the command has
-    none.
-    """
+    """Return a text without the moves of a command, and with a map that says that it has none."""
     forger = Forger.of(text)
     entry = re.fullmatch(
         r"(; command \d+ \S+ \S+ \S+) (\d+) (\d+)", next(one for one in forger.lines if f" {index} " in one)
@@ -41,6 +40,7 @@ def without(text, step, index):
     begin = first - 1
     while re.match("TM|P8100", forger.lines[begin - 1]):
         begin -= 1
+    last += forger.lines[last] == "DWELL0"
     return forger.drop(begin, last - begin).change(rf"; command {step} .*", f"{entry[1]} - -")
 
 
@@ -54,7 +54,8 @@ def test_a_motion_that_one_way_leaves_out_is_refused(name, time):
     step = next(k for k, one in enumerate(table(program)["program"]["steps"]) if "P0040" in one["title"])
     forged = without(text, step, "P0040")
     reasons = set()
-    # two motions are left on the first way, one on the other; P0020 takes two seconds on either
+    # without P0040, the way through the first branch takes 4 s (P0010 and P0020), and the other way 2 s
+    # (P0010); the forged header states both durations, or one of them
     for known in ("2.000 to 4.000 s", "4.000 s", "2.000 s"):
         said = re.sub(r"(?m)^; duration .*? s\b", f"; duration {known}", forged.text, count=1)
         proof = table(program)
@@ -62,7 +63,7 @@ def test_a_motion_that_one_way_leaves_out_is_refused(name, time):
         proof["program"]["course"].remove(f"move {step}")
         proof["motions"].pop(str(step), None)
         reasons.add(refused(said, proof))
-    # with one of the headers nothing else is wrong
+    # with one of the headers, the left-out motion is the only error
     assert "" not in reasons
     assert any(why in one or "P0040" in one for one in reasons), reasons
 

@@ -1,4 +1,4 @@
-"""A real browser without a screen, and a `yarc view` for it to look at."""
+"""A real browser without a screen, and a `yarc view` to which it connects."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ import pytest
 T = TypeVar("T")
 
 REQUIRED = "YARCLANG_REQUIRE_TOOLS"
-"""With 1 in this variable of the environment a missing browser is a failure: .ci/run sets it."""
+"""Environment variable that makes a missing browser a failure if it is 1; .ci/run sets it."""
 PATIENCE = 90.0
-"""How long anything may take [s]: on a loaded machine a picture without a graphics card takes a while."""
+"""Longest wait for anything [s]; a busy machine without a graphics card draws slowly."""
 
 REBOUND = "rebound.example"
-"""A site that has given itself this machine's address."""
+"""The host name of a site that resolves to this machine's address."""
 
 _FLAGS = (
     "--headless=new",
     "--no-sandbox",
-    "--use-gl=angle",  # WebGL by the processor
+    "--use-gl=angle",  # WebGL on the CPU
     "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",
     "--disable-quic",
@@ -47,8 +47,9 @@ _FLAGS = (
 
 
 def browser_or_skip() -> tuple[str, str]:
-    """The paths of Chromium and its driver; without them the test is skipped, or, where a browser is
-    required, fails.
+    """Return the paths of Chromium and its driver; without them, skip the test.
+
+    If a browser is required, the test fails instead.
     """
     browser = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
     driver = shutil.which("chromedriver")
@@ -62,7 +63,7 @@ def browser_or_skip() -> tuple[str, str]:
 
 @contextmanager
 def opened_browser(profile: Path, *more: str) -> Iterator[Any]:
-    """A browser with an empty profile, which reaches nothing but this machine."""
+    """Yield a browser with an empty profile that can reach only this machine."""
     from selenium import webdriver
     from selenium.webdriver.chrome.service import Service
 
@@ -81,7 +82,7 @@ def opened_browser(profile: Path, *more: str) -> Iterator[Any]:
 
 @contextmanager
 def viewed(*arguments: str) -> Iterator[tuple[str, subprocess.Popen[str]]]:
-    """A `yarc view` of its own process: its address, and the process, which gets Ctrl-C in the end."""
+    """Yield the address and the process of a `yarc view`, which gets Ctrl-C at the end."""
     command = [
         sys.executable,
         "-c",
@@ -111,7 +112,7 @@ def viewed(*arguments: str) -> Iterator[tuple[str, subprocess.Popen[str]]]:
 
 
 def waited(look: Callable[[], T]) -> T:
-    """What a look gives as soon as that is something; a browser that is too busy to answer is asked again."""
+    """Wait for a true result of `look`, and return it. If the browser is too busy to answer, ask it again."""
     from selenium.common.exceptions import TimeoutException
 
     since = time.monotonic()

@@ -1,4 +1,4 @@
-"""Stages of programs, made as the command makes them."""
+"""Stages of programs, made as `yarc view` makes them."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ P0030 MOVEL -200 0 -260 0 0 0 [2]
 P0040 WAIT [1]
 P0050 MOVEL -200 0 150 0 0 0 [5] {PART}
 """
-"""The fingers go into the bench."""
+"""A program in which the gripper's fingers collide with the bench."""
 
 
 @cache
 def stage_of(text: str, robot: str | None = None) -> Stage:
-    """The stage of a program that stands among the examples."""
+    """Return the stage of a program that is in the folder of the examples."""
     result = program_stage(SourceFile("made.yarc", text), EXAMPLES, Options(robot=robot))
     assert result.value is not None, result.diagnostics
     return result.value

@@ -1,5 +1,5 @@
-"""`yarc view` in a real browser: what is drawn, that controls do something, and that nothing is fetched
-from outside.
+"""Tests of `yarc view` in a real browser: the picture and its controls, without any request to other
+machines.
 """
 
 import io
@@ -25,7 +25,7 @@ def program(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def page(program, tmp_path_factory):
-    """The page of a program, once it is there, the process behind it, and its address."""
+    """Yield the loaded page of a program, its process and its address."""
     browser_or_skip()
     with (
         viewed(str(program)) as (url, process),
@@ -34,7 +34,7 @@ def page(program, tmp_path_factory):
         browser.get(url)
         waited(lambda: "P0010 MOVEJ_RPY" in text_of(browser))
         yield browser, process, url
-        # what the page has asked for, in all that was done
+        # the addresses of all requests of the page
         asked = {
             message["params"]["request"]["url"]
             if "request" in message["params"]
@@ -64,19 +64,19 @@ def press(browser, text):
 
 
 def picture(browser):
-    """The part of the screen with the scene (rows, columns, 3), 0 to 1."""
+    """Return the part of the screenshot with the scene (rows, columns, 3), from 0 to 1."""
     pixels = matplotlib.image.imread(io.BytesIO(browser.get_screenshot_as_png()))[:, :, :3]
     return pixels[:, 320:790]
 
 
 def red(pixels):
-    """How many pixels have the colour of bodies that touch, in whatever light."""
+    """Return the number of pixels with the colour of colliding bodies, in any light."""
     r, g, b = pixels[:, :, 0], pixels[:, :, 1], pixels[:, :, 2]
     return int(((r > 0.6) & (g < 0.3 * r) & (b < 0.3 * r)).sum())
 
 
 def orange(pixels):
-    """How many have that of the robot's links."""
+    """Return the number of pixels with the colour of the robot's links, in any light."""
     r, g, b = pixels[:, :, 0], pixels[:, :, 1], pixels[:, :, 2]
     return int(((r > 0.6) & (g > 0.35 * r) & (g < 0.75 * r) & (b < 0.6 * g)).sum())
 
@@ -91,7 +91,7 @@ def test_a_finding_leads_to_its_place_and_colours_the_bodies(page):
     browser, _, _ = page
     press(browser, "Findings")
     press(browser, "Y0901 P0030")
-    waited(lambda: "FINGERS goes 30 mm into BENCH" in text_of(browser))
+    waited(lambda: "FINGERS penetrates BENCH by 30 mm" in text_of(browser))
     waited(lambda: "-30.0 mm (FINGERS, BENCH)" in text_of(browser))
     waited(lambda: red(picture(browser)) > 1_500)
 
@@ -107,7 +107,7 @@ def test_no_text_of_a_button_or_label_is_cut_off(page):
         waited(lambda word=word: word in text_of(browser))
         assert browser.execute_script(script) == []
         if tab == "Findings":
-            assert "FINGERS goes 30 mm into BENCH" in text_of(browser)
+            assert "FINGERS penetrates BENCH by 30 mm" in text_of(browser)
 
 
 def test_a_command_leads_to_its_beginning_and_time_passes(page):
@@ -143,7 +143,7 @@ def test_the_path_by_clearance(page):
 
 
 def test_a_page_of_another_site_is_refused(page):
-    """Its connection isn't even opened."""
+    """A connection from another site's page is refused."""
     import asyncio
 
     from websockets.asyncio.client import connect
@@ -163,7 +163,7 @@ def test_a_page_of_another_site_is_refused(page):
 
 
 def test_a_site_that_gives_itself_this_address_sees_nothing(program, tmp_path):
-    """By its own name the very same server shows all."""
+    """Under another host name for this address, the page shows nothing; under its own it shows all."""
     browser_or_skip()
     with viewed(str(program)) as (url, _), opened_browser(tmp_path / "profile") as browser:
         browser.get(url.replace("127.0.0.1", REBOUND))
@@ -213,7 +213,7 @@ def test_curves_stand_beside_the_time_and_a_frame_gives_its_line(page):
         const first = box(all[0]), last = box(all[all.length - 1]);
         return [(marker.left - first.left) / first.width, first.top - marker.top, marker.bottom - last.bottom];
     """  # noqa: E501
-    # the marker crosses all pictures, where the command begins
+    # the marker is where the command begins, and crosses all curves
     waited(lambda: abs(browser.execute_script(places)[0] - 6.891 / 11.891) < 0.02)
     _, above, below = browser.execute_script(places)
     assert above > 0.0

@@ -1,4 +1,4 @@
-"""From where a stage is seen at first."""
+"""Tests of the first position of the camera."""
 
 from dataclasses import replace
 
@@ -32,7 +32,7 @@ def test_it_looks_past_a_wall():
     eye, middle = first_view(stage)
     assert eye[2] > middle[2]
     wall = Item("WALL", "obstacle", 0, np.eye(4), solid_of(Box(np.array([0.05, 3.0, 3.0]))), (0, 0, 0), 1.0)
-    # across the way that was free before
+    # put a body in the direction from which the camera looked before
     towards = (eye - middle)[:2] / np.linalg.norm((eye - middle)[:2])
     pose = np.eye(4)
     pose[:2, 0], pose[:2, 1] = towards, [-towards[1], towards[0]]

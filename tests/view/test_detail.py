@@ -1,4 +1,6 @@
-"""Which points of a path are drawn: neither its shape nor a slow place gets lost, however long it is."""
+"""Tests of choosing the points of a path to draw: its shape and its slow places are kept, whatever its
+length.
+"""
 
 import numpy as np
 import pytest
@@ -10,7 +12,7 @@ from yarclang.view.stage import Way
 
 
 def way_of(places):
-    """A path through places (N, 3) [m], each piece a stretch of its own."""
+    """Return a path through places (N, 3) [m], in which each segment begins and ends at rest."""
     points = np.repeat(places, 2, axis=0)[1:-1]
     count = len(points) // 2
     return Way(
@@ -29,7 +31,7 @@ def spiral(count):
 
 
 def away(point, first, second):
-    """How far points (N, 3) are from the nearest of lines (L, 3) [m]."""
+    """Return the distance of each point (N, 3) from the nearest of the lines (L, 3) [m]."""
     chord = second - first
     square = np.maximum(np.einsum("li,li->l", chord, chord), 1e-30)
     found = np.empty(len(point))
@@ -66,7 +68,7 @@ def test_any_path_is_drawn_as_it_is(places, values):
     drawn = drawn_lines(way, shown)
     assert (drawn.first < drawn.second).all()
     assert away(way.points, way.points[drawn.first], way.points[drawn.second]).max() <= FINEST * (1.0 + 1e-6)
-    # in between, colours are those of the path
+    # the colours of omitted points are between those of the drawn ones
     for first, second in zip(drawn.first, drawn.second, strict=True):
         assert np.ptp(shown[first : second + 1]) <= abs(shown[second] - shown[first]) + 2 * 0.02 + 1e-9
 

@@ -1,4 +1,4 @@
-"""The server: where it listens, what it says, and whom it lets in."""
+"""Tests of the server: its address, its answers, and the requests that it refuses."""
 
 import socket
 import threading
@@ -15,7 +15,7 @@ from yarclang.view.show import show
 
 
 def test_it_is_served_and_ends(capfd):
-    """viser prints a table of its own, which nobody wants."""
+    """The server starts and ends, and the table that viser would print isn't shown."""
     seen = []
 
     def ready(door):
@@ -29,7 +29,7 @@ def test_it_is_served_and_ends(capfd):
         show(stage_of(CRASH), Door("127.0.0.1", 0), ready)
     assert seen[0].port > 0
     assert capfd.readouterr().out == ""
-    with socket.socket() as again:  # nobody listens there any more
+    with socket.socket() as again:  # the port is free again
         again.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         again.bind(("127.0.0.1", seen[0].port))
 
@@ -118,7 +118,7 @@ def test_names_in_the_network():
 
 @pytest.fixture(scope="module")
 def served():
-    """The port of a stage that is shown."""
+    """Yield the port of a stage that is served."""
     ready, ports, end = threading.Event(), [], threading.Event()
 
     def listen(door):
@@ -148,8 +148,9 @@ SOCKET = (
 
 
 def answered(port, *headers, path="/", scene=False):
-    """All that the server answers to a request, as raw as it is asked; of a connection that it opens, the
-    first part of the scene.
+    """Return the raw answer of the server to a request.
+
+    If the server opens a WebSocket, this includes the beginning of the scene.
     """
     lines = [f"GET {path} HTTP/1.1", *headers]
     if scene:

@@ -1,4 +1,6 @@
-"""A frame that is dragged gives the line that declares it there; curves beside the time."""
+"""Tests of dragging: a dragged frame gives the line that declares it at its new place; also tests of the
+curves beside the picture.
+"""
 
 import dataclasses
 import re
@@ -53,7 +55,7 @@ def turned(rpy):
 
 
 def links_of(text):
-    """Pose in its parent, and name of that, of all frames that the checked commands name."""
+    """Return the pose of each named frame in its parent, and the parent's name."""
     opened_ = open_source(SourceFile("made.yarc", text), EXAMPLES, Options())
     assert opened_.value is not None, opened_.diagnostics
     checked = check_program(opened_.value.module, opened_.value.request)
@@ -98,7 +100,9 @@ def test_a_new_frame_takes_a_name_of_its_own():
     st.tuples(*3 * [st.floats(-3.1, 3.1)]),
 )
 def test_the_line_is_valid_and_puts_the_frame_there(name, position, rpy):
-    """The written line is parsed by the language, with defaults in other units and another base."""
+    """The line is valid in a program with other units and another base, and declares the frame at the dragged
+    pose.
+    """
     one = frame_of(stage_of(TWO), name)
     wxyz = turned(rpy)
     wanted = one.moved_to(np.array(position), wxyz)
@@ -142,7 +146,7 @@ def test_orders_show_the_line_and_move_the_handles():
         assert showing._panel._line.value == "FRAME {PART} 10 0 100 0 0 90 (mm,deg) {FIXTURE}"
         showing._carry_out(Order("drag", -1))
         assert showing._panel._line.value == ""
-        # a late message of the removed handles changes nothing
+        # a message from handles that were removed meanwhile changes nothing
         showing._carry_out(Order("dragged", place[:3, 3], turned([0.0, 0.0, 0.0])))
         assert showing._panel._line.value == ""
         showing._carry_out(Order("drag", len(names) - 1))

@@ -1,4 +1,4 @@
-"""What stands beside the picture."""
+"""Tests of the texts and curves beside the picture."""
 
 from dataclasses import replace
 
@@ -46,7 +46,7 @@ def test_commands_and_findings():
     assert "line 8" in piece_html(stage.pieces[2])
     mark = next(one for one in stage.marks if one.code == "Y0901")
     assert "error Y0901" in mark_html(mark)
-    assert "FINGERS goes 30 mm into BENCH" in mark_html(mark)
+    assert "FINGERS penetrates BENCH by 30 mm" in mark_html(mark)
     assert "bodies that touch" in key_html(stage)
     assert "INDUSTRIAL6" in notes_html(stage)
 

@@ -1,4 +1,4 @@
-"""Which labels are written."""
+"""Tests of the labels in the picture."""
 
 import numpy as np
 import pytest
@@ -43,8 +43,9 @@ EYE, MIDDLE = np.array([4.0, 3.0, 2.0]), np.zeros(3)
 
 
 def boxes(labels, heights):
-    """What labels cover on a screen 800 pixels high, by a pinhole of our own: the camera's axes, then
-    similar triangles.
+    """Return the rectangles of labels on a screen 800 pixels high.
+
+    They are computed with a pinhole camera, from the camera's axes and similar triangles.
     """
     z = (EYE - MIDDLE) / np.linalg.norm(EYE - MIDDLE)
     x = np.cross([0.0, 0.0, 1.0], z) / np.linalg.norm(np.cross([0.0, 0.0, 1.0], z))
@@ -85,6 +86,6 @@ def test_no_label_lies_on_another_in_the_first_view(drawn):
 def test_labels_that_are_apart_stay_where_they_are():
     labels = [Label("{A}", np.array([0.0, 0.0, height]), 0.7, "top-left") for height in (0.0, 1.0)]
     assert raised(labels, EYE, MIDDLE) == pytest.approx([0.0, 0.0])
-    # and one behind the eye is on none
+    # a label behind the eye overlaps no other one
     labels.append(Label("{A}", 3.0 * EYE, 0.7, "top-left"))
     assert raised(labels, EYE, MIDDLE)[2] == 0.0

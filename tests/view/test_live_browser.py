@@ -1,5 +1,5 @@
-"""`yarc view --live` in a real browser: a running robot is drawn, an input is ticked, and a robot that is
-away is grey.
+"""Tests of `yarc view --live` in a real browser: a running robot is drawn, an input is switched, and a
+disconnected robot is grey.
 """
 
 import os
@@ -31,7 +31,7 @@ def serve(workshop):
 
 
 def box(browser, name):
-    """The checkbox that a label belongs to."""
+    """Return the checkbox of a label."""
     script = """
         const label = [...document.querySelectorAll("label")].find(one => one.textContent.trim() === arguments[0]);
         return label && (label.control || label.parentElement.parentElement.querySelector("input[type=checkbox]"));

@@ -1,4 +1,4 @@
-"""The page of a running robot: what is drawn when, without a browser, and which robot is found."""
+"""Tests of the page of a running robot, without a browser: its updates, and finding the robot."""
 
 from dataclasses import replace
 from types import SimpleNamespace
@@ -60,7 +60,7 @@ def box(page):
 
 
 def tick(page, value):
-    """What a person's click in a browser does."""
+    """Switch the input as a click in the browser does."""
     page._panel._ticked("DOOR", SimpleNamespace(client_id=3, target=SimpleNamespace(value=value)))
 
 
@@ -100,7 +100,7 @@ def test_a_click_becomes_an_order_and_the_robot_has_the_last_word(page, given):
     assert (order.kind, order.value, order.more) == ("input", "DOOR", True)
     page.show_around(around(1.0))
     assert box(page).value is True
-    assert len(given) == 1  # who follows the robot orders nothing
+    assert len(given) == 1  # a view that only follows the robot gives no orders
     page.refuse("DOOR", Trouble("run owns the robot", code="Y1611"))
     page._count = 0
     page.draw()
@@ -123,14 +123,14 @@ def test_another_robot_is_told_of(page):
 
 
 def test_a_robot_with_other_joints_in_the_place_of_one(page, tmp_path):
-    """Its joints have names that the first robot has as well."""
+    """Another robot takes the place of the first one, and some of its joints have the same names."""
     arguments = ["robot", "new", str(EXAMPLES / "scara.urdf"), "--yes", "-o", str(tmp_path / "r")]
     assert CliRunner().invoke(main, arguments).exit_code == 0
     other = load_robot(str(tmp_path / "r")).value
     assert other.size != 6
     page.draw()
     page._live.hear(events.Position(time_s=0.0, joints=joints_by_name(other, other.home), done_s=0.0))
-    page.draw()  # told before the page knows of it
+    page.draw()  # messages from the new robot, before the page is attached to it
     page.attach(Live(other, status(other, other.home + 0.01)), Place(other, None), "simulated")
     page.draw()
     assert f"with {other.size} joints, not INDUSTRIAL6 with 6" in page._panel._head._shown
@@ -209,9 +209,9 @@ def test_a_part_is_drawn_where_it_is_and_what_was_hidden_stays_hidden(server, gi
     page.draw()
     nodes = page._picture._parts._nodes
     assert {node.name.split("/")[1] for node, _ in nodes} == {f"joint_{robot.size}"}
-    assert [node.visible for node, _ in nodes] == [True, False]  # the part, and its name
+    assert [node.visible for node, _ in nodes] == [True, False]  # the part and its name
     assert f"{kind} 2" in live.html(page._stage, Q)
-    # another cell: all is drawn anew
+    # another cell makes the page draw everything again
     page.attach(Live(robot, status(robot, Q)), Place(robot, cell_of("12_machine_cell.toml")), "simulated")
     page.draw()
     assert {"names", "zone", "other_axes"} <= page._picture.switches.hidden
@@ -219,8 +219,8 @@ def test_a_part_is_drawn_where_it_is_and_what_was_hidden_stays_hidden(server, gi
 
 
 def test_collision_shapes_are_seen_if_somebody_wants_them(page, server):
-    """They stand on the links that are shown by what they look like; a robot that is shown by its shapes
-    has no switch for them.
+    """Collision shapes are shown on demand for links with visual meshes. A robot without visual meshes is
+    drawn by its collision shapes, and has no switch for them.
     """
     nodes = [node for node, _ in page._picture.switches._nodes["shape"]]
     robot = robot_of()

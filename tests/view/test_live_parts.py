@@ -1,4 +1,4 @@
-"""The parts of a cell while its robot runs: followed SET by SET, they are where the plan has them."""
+"""Tests of a cell's parts during a run: after each SET they are where the plan has them."""
 
 import numpy as np
 import pytest
@@ -65,11 +65,11 @@ def test_what_a_coordinator_tells_counts_and_what_it_cannot_mean_is_left_out():
     assert parts.rows == [("holds", f"{kind} 3")]
     before = parts.parts
     parts.told(told(place(f"{kind} 3", held=grip), *wrong))
-    assert parts.parts is before  # nothing is drawn anew
+    assert parts.parts is before  # the parts aren't drawn again
     parts.told(told(moved=False, doubt="it was killed"), is_late=True)
     assert are_same(parts.parts, first)
-    assert parts.rows == [("parts", "nobody knows where they are: it was killed")]
-    # an output that moves nothing, and a joint position
+    assert parts.rows == [("parts", "the places aren't certain: it was killed")]
+    # neither an output that moves no part nor a position of the robot moves parts
     parts.output_set("M9999", 1.0, Q)
     parts.stands(Q)
     assert parts.parts is first

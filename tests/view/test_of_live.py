@@ -1,4 +1,4 @@
-"""A running robot as it is to be seen: what its coordinator tells becomes a stage and figures."""
+"""Tests of the stage and the figures of a running robot, made from the messages of its coordinator."""
 
 from functools import cache
 from pathlib import Path
@@ -135,9 +135,9 @@ def test_who_comes_while_it_waits_knows_what_runs():
 def test_positions_that_are_not_of_now():
     robot = robot_of()
     live = Live(robot, status(robot))
-    assert live.joints is None  # nothing is known yet
+    assert live.joints is None  # no message with a position has come yet
     live.hear(events.Position(time_s=0.0, joints={"A": 1.0}, done_s=0.0))
-    assert live.joints is None  # those of another robot
+    assert live.joints is None  # positions of other joints than the robot's are ignored
     assert live.stale == ""
     live.hear(events.StateChanged(time_s=0.0, state=State.DISCONNECTED, why="the cable is out"))
     assert live.stale == "the cable is out"

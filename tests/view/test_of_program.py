@@ -1,4 +1,4 @@
-"""A program as it is to be seen: bodies, frames, path, commands, and findings in place."""
+"""Tests of the stage of a program: bodies, frames, path, commands, and findings at their places."""
 
 import numpy as np
 import pytest
@@ -22,7 +22,7 @@ def test_the_path_is_that_of_the_frame():
     assert way.points == pytest.approx(
         tool_poses(stage.robot.chain, q, stage.flange_from_frame)[:, :3, 3], abs=1e-9
     )
-    # each stretch begins and ends at rest, where its command begins and ends
+    # each part of the path begins and ends at rest, where its command begins and ends
     for at, piece in enumerate(way.piece.tolist()):
         rows = slice(way.breaks[at], way.breaks[at + 1])
         assert way.times[rows][[0, -1]] == pytest.approx(
@@ -55,7 +55,7 @@ def test_which_command_is_it():
     first, second, third, wait, last = stage.pieces
     assert stage.piece_at(0.0) == 0
     assert stage.piece_at((second.begins + second.ends) / 2.0) == 1
-    assert stage.piece_at(wait.begins) == 2  # what moves counts more than what stands
+    assert stage.piece_at(wait.begins) == 2  # where two commands meet, the one that moves is selected
     assert stage.piece_at((wait.begins + wait.ends) / 2.0) == 3
     assert stage.piece_at(wait.ends) == 4
     assert stage.piece_at(last.ends) == 4
@@ -68,7 +68,8 @@ def test_a_collision_stands_where_it_is_worst():
     mark = next(one for one in stage.marks if one.code == "Y0901")
     piece = stage.pieces[mark.piece]
     assert piece.label == "P0030"
-    assert mark.time == pytest.approx(piece.ends)  # it goes straight down
+    # the clearance is smallest at the end, because the motion goes straight down
+    assert mark.time == pytest.approx(piece.ends)
     assert mark.place == pytest.approx(
         stage.way.points[np.argmin(np.abs(stage.way.times - mark.time))], abs=1e-6
     )
@@ -85,7 +86,7 @@ def test_bodies_frames_and_zones_are_there():
         ("FLOOR", "zone"),
         ("AT_FIXTURE", "zone"),
     }
-    # each link of the URDF, moved by the joints above it
+    # each link of the URDF is moved by the joints between it and the base
     assert {item.name for item in stage.items if item.kind == "robot"} >= {
         one.link for one in stage.robot.shapes
     }
@@ -115,7 +116,7 @@ def test_the_samples_of_clearance_agree_with_the_certificate():
         rows = slice(stage.way.breaks[at], stage.way.breaks[at + 1])
         found = near(stage.scene, stage.track.at(stage.way.times[rows])[0])
         cell = found.apart[stage.scene.pairs.of_cell[found.pair] & (found.pair >= 0)]
-        # samples are never below what was proved
+        # the drawn clearance is never below the proved one
         assert cell.min(initial=SEEN) * 1e3 >= proved - 0.1
 
 
@@ -126,7 +127,7 @@ def test_a_program_with_errors_is_shown_as_far_as_it_is_planned():
     assert stage.pieces[1].planned
     mark = next(one for one in stage.marks if one.severity == "error")
     assert (mark.code, stage.pieces[mark.piece].label) == ("Y0501", "P0030")
-    # it stands where the robot would begin it
+    # the mark is at the place where the motion would begin
     assert mark.place == pytest.approx(stage.way.points[stage.way.breaks[2] - 1], abs=1e-6)
     assert "can't be planned" in stage.notes[0]
 
@@ -152,7 +153,8 @@ def test_the_path_by_clearance():
     stage = stage_of(CRASH)
     values = values_of(stage, "clearance")
     assert values.shape == stage.way.times.shape
-    assert values.min() == 0.0  # negative where bodies overlap, which has no colour of its own
+    # overlaps would be negative; they have no colour of their own, and are shown as 0
+    assert values.min() == 0.0
     assert 10.0 < values[0] <= SEEN * 1e3
 
 
@@ -175,7 +177,7 @@ def test_without_a_robot_there_is_nothing_to_show():
 
 
 def test_collisions_are_shown_beside_errors_of_planning():
-    """They are those that the program has without the errors, at the same place."""
+    """Errors of planning don't hide collisions, and don't change their places."""
     whole = next(one for one in stage_of(CRASH).marks if one.code == "Y0901")
     far = "P0035 MOVEL 9000 0 0 0 0 0\n"
     stage = stage_of(CRASH.replace("P0040", f"{far}P0040"))
@@ -190,8 +192,9 @@ def test_collisions_are_shown_beside_errors_of_planning():
 
 
 def test_a_gap_in_the_plan_is_no_motion():
-    """Behind what can't be planned the robot stands elsewhere; on the way there, which isn't planned, it
-    meets nothing.
+    """After a motion that can't be planned, the robot is shown at its goal.
+
+    The unplanned motion itself has no collisions.
     """
     text = CRASH.replace("P0030 MOVEL -200 0 -260", "P0030 MOVEL 9000 0 -260").replace(
         "P0050 MOVEL -200 0 150 0 0 0 [5] {PART}", "P0050 MOVEJ READY\nP0060 MOVEJ 170 0 0 0 0 0 [20] (deg,s)"
@@ -240,7 +243,7 @@ def test_a_long_program_lists_its_worst_places_and_errors_first():
     assert stage.pieces[first.piece].label in first.text
     shares = [int(one.text.partition(" %")[0]) for one in stage.worst if " % " in one.text]
     assert shares == sorted(shares, reverse=True)
-    # each look at a command gives its facts again
+    # reading the facts of a command twice gives the same
     facts = stage.pieces[first.piece].facts
     assert list(facts) == list(facts) != []
     assert all(stage.piece_at((one.begins + one.ends) / 2.0) == n for n, one in enumerate(stage.pieces))
@@ -251,5 +254,5 @@ def test_a_long_program_lists_its_worst_places_and_errors_first():
     assert {mark.severity for mark in wrong.marks} >= {"error", "note"}
     error = wrong.marks[0]
     assert wrong.pieces[error.piece].label == "P0090"
-    # where the robot would begin it
+    # the mark is at the place where the motion would begin
     assert error.place == pytest.approx(wrong.way.points[-1], abs=1e-6)

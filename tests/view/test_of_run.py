@@ -1,4 +1,4 @@
-"""Runs and controller texts as they are to be seen."""
+"""Tests of stages of runs and of controller texts."""
 
 from dataclasses import replace
 
@@ -30,14 +30,15 @@ def test_the_run_stands_beside_its_plan(log):
     assert stage.ghost is not None
     assert stage.ghost_way is not None
     assert set(ramps_of(stage)) == {"speed", "deviation", "clearance"}
-    # these samples were made of the plan itself
+    # the samples of this log were made from the plan itself
     assert values_of(stage, "deviation").max() < 1.0
     assert [piece.label for piece in stage.pieces] == ["P0010", "P0020", "P0030"]
     assert [piece.ends - piece.begins for piece in stage.pieces] == pytest.approx([3.0, 4.0, 2.0], abs=0.1)
     times = np.array([stage.pieces[1].ends])
     assert stage.track.at(times)[0][0] == pytest.approx(np.zeros(6), abs=2e-3)
     assert stage.ghost.at(times)[0][0] == pytest.approx(np.zeros(6), abs=2e-3)
-    assert any("cell" in note for note in stage.notes)  # the program isn't beside the log
+    # a note says that the cell is missing, because the program isn't beside the log
+    assert any("cell" in note for note in stage.notes)
     assert truth.commanded.shape[1] == 6
 
 
@@ -83,7 +84,7 @@ def test_a_controller_text_does_what_its_program_does(tmp_path):
     times = np.linspace(0.0, stage.duration, 200)
     assert stage.track.at(times)[0] == pytest.approx(compiled.plan.sample(times)[0], abs=1e-6)
     assert any("cell" in note for note in stage.notes)
-    # beside its program it has the cell
+    # a text in the folder of its program gets the program's cell
     source = replace(made_of_source(path), name="09.pmc")
     beside = stage_of_text(source, EXAMPLES, arm).value
     assert {item.name for item in beside.items} >= {"BENCH", "FINGERS"}

@@ -1,4 +1,4 @@
-"""The parts of a cell as they are to be seen: each where it is, as long as it is there."""
+"""Tests of a cell's parts in the picture: each is shown at its place, for as long as it exists."""
 
 import json
 from dataclasses import replace
@@ -51,7 +51,7 @@ ELSE
 END
 P0060 MOVEJ 20 -10 -20 0 -60 0
 """
-"""After the WHEN the first blank lies in the press, or hangs in the gripper."""
+"""A program after whose WHEN the first blank is in the press or in the gripper."""
 ROBOT = load_robot("INDUSTRIAL6").value
 
 
@@ -74,12 +74,12 @@ def example(name):
 
 
 def at(stage, time):
-    """The items of the parts that are shown at a time."""
+    """Return the items of the parts that are shown at a time."""
     return [item for item in stage.items if item.kind == "part" and item.begins <= time < item.ends]
 
 
 def placed(stage, item, time):
-    """Where a body is in {B} at a time (4, 4)."""
+    """Return the pose of a body in {B} at a time (4, 4)."""
     q = stage.track.at(np.array([time]))[0][0]
     return moved_by(stage.robot.chain, q)[item.joint] @ item.base_from_item
 
@@ -115,7 +115,7 @@ def test_a_part_goes_with_the_flange_from_the_set_until_it_is_put_down():
     assert down.joint == 0
     assert down.base_from_item[:3, 3] == pytest.approx(press[:3, 3], abs=1e-6)
     assert first(removed.begins) == []
-    # the next one comes when the gripper is out
+    # the next blank appears when the gripper has left
     names = {item.name for item in at(stage, taken.begins + 0.5)}
     assert names == {"BLANK 1"}
     assert {item.name for item in at(stage, middle)} == {"BLANK 1", "BLANK 2"}
@@ -151,7 +151,7 @@ def test_a_supply_fills_the_pallet():
     end = at(stage, stage.duration)
     assert sorted(item.name for item in end) == sorted(f"BOX {number}" for number in range(1, 25))
     assert len({tuple(item.base_from_item[:3, 3].round(3)) for item in end}) == 24
-    # names of many parts that stand together would cover the picture
+    # the names of many parts in one place would cover the picture
     assert not any(item.is_named for item in end)
 
 
@@ -179,7 +179,7 @@ def test_a_controller_text_has_the_parts_of_its_program(tmp_path):
     facts = [fact for one in stage.pieces for fact in one.facts]
     assert ("takes", "BLANK 1") in facts
     assert ("carries", "BLANK 3") in facts
-    # without its program nobody knows where they are
+    # without the program, the picture of a text has no parts
     cell = str(EXAMPLES / "05_pick_and_place.toml")
     alone = stage_of_text(SourceFile("a.pmc", compiled.text), tmp_path, ROBOT, cell).value
     assert not any(item.kind == "part" for item in alone.items)
@@ -196,7 +196,7 @@ def recorded(tmp_path, text, **execution):
 
 
 def test_a_run_shows_the_parts_when_they_were_moved(tmp_path):
-    """It ran at half its pace."""
+    """The run takes twice the planned time, and shows each part at the time when it was moved."""
     text = f"{HEAD}P0010 {PICK}\nP0020 {PLACE}\n"
     compiled, stage, _ = recorded(
         tmp_path, text, rate=lambda t: np.full_like(t, 0.5), length=2.0 * compiled_of(text).plan.duration
@@ -250,7 +250,7 @@ def test_diff_tells_what_is_carried():
     rows = compared_json(comparison)["commands"]
     assert {tuple(row["first"]["carries"]) for row in rows if row["other_parts"]} == {("BLANK 1",)}
     json.dumps(rows, allow_nan=False)
-    # what a text carries isn't known without its program
+    # without its program, a text doesn't show which parts are carried
     bare = replace(second, acts=tuple(replace(act, carries=None) for act in second.acts))
     assert compare(first, bare, ROBOT.tolerance).equal
 
@@ -286,7 +286,7 @@ def test_nodes_hear_of_changes_only_and_stay_hidden_with_their_group():
 
 
 def walked(text):
-    """For each motion: its times, and where handling has the parts during it."""
+    """Return the times of each motion, and the parts during it as the handling code has them."""
     plan = compiled_of(text).plan
     handling = handling_of(plan.robot, plan.program.cell, plan.program.steps)
     stand, q, ways = handling.first(), plan.program.start, []
@@ -331,7 +331,7 @@ def random_program(deeds):
             ready = f"{label[:-1]}2 MOVEJ READY"
             lines += ["WHEN PART_READY ON", f"{label[:-1]}1 {PLACE}", ready]
             lines += ["ELSE", f"{label[:-1]}3 MOVEJ READY", "END"]
-            break  # what comes then would meet what may be there
+            break  # the next command could collide with a part that may be there
     lines.append(f"P{10 * (len(lines) + 1):04} MOVEJ READY")
     return HEAD + "\n".join(lines) + "\n"
 
@@ -340,7 +340,7 @@ def random_program(deeds):
 @settings(max_examples=25, deadline=None)
 @given(deeds=st.lists(st.sampled_from(DEEDS), max_size=4).map(tuple), share=st.floats(0.01, 0.99))
 def test_each_part_is_shown_where_handling_has_it(tally, deeds, share):
-    """At any time each part is shown just once, or, after a WHEN, at all its places."""
+    """At any time, each part is shown once; after a WHEN, it is shown at all places where it may be."""
     text = random_program(("pick", *deeds))
     made = yarclang.compile(text, name="made.yarc", folder=EXAMPLES)
     assume(made.value is not None)

@@ -1,4 +1,4 @@
-"""What a click means."""
+"""Tests of the time that a click on the path selects."""
 
 import numpy as np
 import pytest
@@ -30,7 +30,7 @@ def test_a_click_on_the_path_is_the_time_there(share, line):
 
 @pytest.mark.parametrize("place", [[0.5, 0.5, 0.0], [2.0, 2.0, 0.0], [0.0, 0.0, 10.0]])
 def test_beside_the_path_nothing_is_meant(place):
-    """Nor where one stretch ends and the next one begins, nor behind the eye."""
+    """A click beside the path, between two sections of the path, or behind the eye selects nothing."""
     assert picked_time(TWO, EYE, np.array(place) - EYE) is None
 
 

@@ -1,4 +1,4 @@
-"""The time that is shown, and lists of which a page is shown."""
+"""Tests of the displayed time, and of lists of which one page is shown."""
 
 from hypothesis import given
 from hypothesis import strategies as st
@@ -9,7 +9,7 @@ from yarclang.view.player import Player
 
 def test_it_plays_to_its_end_and_begins_anew():
     player = Player(2.0)
-    assert not player.pass_by(1.0)  # it stands
+    assert not player.pass_by(1.0)  # the player is paused
     player.press()
     player.factor = 0.5
     assert player.pass_by(1.0)
@@ -55,7 +55,7 @@ def test_a_listing_has_pages_and_finds():
     listing.choose(" movel")
     assert (listing.pages, len(listing.chosen)) == (2, 13)
     assert all("MOVEL" in rows[row] for row in listing.shown)
-    listing.follow(1)  # a MOVEJ: it isn't in the list
+    listing.follow(1)  # row 1 is a MOVEJ, which isn't among the chosen rows
     assert listing.page == 0
     listing.choose("nothing has this")
     assert (listing.pages, listing.shown) == (1, [])

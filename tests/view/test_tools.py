@@ -1,4 +1,6 @@
-"""Tools that a program changes, in a picture: all bodies of each, in the rack and on the flange."""
+"""Tests of tools that a program changes, in the picture: all bodies of each tool are shown, in the rack and
+on the flange.
+"""
 
 from tests.view.stages import EXAMPLES, stage_of
 from yarclang.view import colours
@@ -8,7 +10,7 @@ def test_all_bodies_of_a_changed_tool_are_drawn_where_it_is():
     stage = stage_of((EXAMPLES / "29_tool_changer.yarc").read_text())
     items = [one for one in stage.items if one.name == "GRIPPER"]
     assert {one.colour for one in items} == {colours.TOOL}
-    # in the rack, on the flange, and in the rack again
+    # the bodies are in the rack, on the flange, and in the rack again
     assert sorted((one.begins, one.joint) for one in items)[::3] == sorted(
         {(one.begins, one.joint) for one in items}
     )

@@ -1,4 +1,4 @@
-"""Which frames are drawn, and what is switched on."""
+"""Tests of the frames that are drawn, and of those that are shown at first."""
 
 from types import SimpleNamespace
 
@@ -45,7 +45,7 @@ def test_each_place_has_one_triad_and_each_name_is_written_once(given_axes):
     text = " ".join(one.text for one in names)
     for name in ("B", "CELL", "TCP", "PALLET"):
         assert text.count(f"{{{name}}}") == any(one.name == name for one in given_axes)
-    # what can be seen at first has its name at first
+    # each frame that is shown at first has a label
     seen = " ".join(one.text for one in names if one.matters)
     assert all(f"{{{one.name}}}" in seen for one in given_axes if one.matters)
 

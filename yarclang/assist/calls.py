@@ -36,7 +36,7 @@ class Calls:
     """A caller or a called SUB, with the places of its calls.
 
     Attributes:
-        caller: the SUB or file at the other end of the calls.
+        caller: the caller, if `incoming` yields this; the called SUB, if `outgoing` yields it.
         places: the calls.
     """
 
@@ -76,10 +76,10 @@ def incoming(called: Caller, views: Iterable[View]) -> Iterator[Calls]:
 
 
 def outgoing(caller: Caller, view: View) -> Iterator[Calls]:
-    """Yield the SUBs that a SUB, or the lines of a file outside of all SUBs, calls, each with the calls.
+    """Yield the SUBs that are called by a caller, each with its calls.
 
     Args:
-        caller: the SUB or the lines.
+        caller: a SUB, or the lines of a file outside of all SUBs.
         view: the file.
     """
     callers: dict[tuple[str, Span], tuple[Caller, list[Place]]] = {}

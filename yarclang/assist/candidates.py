@@ -1,4 +1,4 @@
-"""Completion candidates (texts that may be inserted), and those that are declared names."""
+"""Completion candidates: texts that an editor may insert. Those for declared names are created here."""
 
 from __future__ import annotations
 
@@ -169,7 +169,9 @@ class NameMaker:
                 yield self.make(name, inner.kind, f"of the module {module}", documentation, name, 1)
 
     def _module_symbols(self) -> Iterator[tuple[str, Symbol]]:
-        """Yield the declarations of the modules that are used above, each with the module's name."""
+        """Yield the declarations of the modules whose USE lines are above the place, each with the module's
+        name.
+        """
         for symbol in self.symbols():
             module = self.view.module(symbol.name) if symbol.kind == "module" else None
             for inner in module.names.symbols if module else ():
@@ -195,7 +197,9 @@ class NameMaker:
         return self.view.sketch.names.known_in(self.cursor.line)
 
     def _is_own(self, name: str, is_frame: bool) -> bool:
-        """Return True if the program's file declares a name anywhere, even where this place can't use it."""
+        """Return True if the program's file declares a name anywhere, even if the name can't be used at this
+        place.
+        """
         return any((one.name, one.is_frame) == (name, is_frame) for one in self.view.sketch.names.symbols)
 
     def _symbol(self, symbol: Symbol) -> Candidate:

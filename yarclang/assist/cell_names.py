@@ -77,8 +77,8 @@ def _in_cell(source: SourceFile, named: Symbol | Use) -> Iterator[Span]:
 
 
 def _declared(source: SourceFile, kind: str, name: str) -> Iterator[Span]:
-    """Yield the places in a cell.toml that declare a name, as a table's own name or as a key of `[frames]` or
-    `[joints]`.
+    """Yield the places in a cell.toml that declare a name: tables such as `[frames.NAME]`, and keys of
+    `[frames]` or `[joints]`.
     """
     word = rf"[\"']?({re.escape(name)})[\"']?"
     header = re.compile(rf"\s*\[\s*{kind}\s*\.\s*{word}\s*\]", re.I)
@@ -96,7 +96,9 @@ def _declared(source: SourceFile, kind: str, name: str) -> Iterator[Span]:
 def _check(source: SourceFile, named: Symbol | Use, name: str) -> None:
     upper = name.upper()
     if NAME.fullmatch(name) is None:
-        raise RenameError(f"`{name}` is no name: names have letters, digits and _, and begin with no digit")
+        raise RenameError(
+            f"`{name}` is no name: names have letters, digits and _, and don't begin with a digit"
+        )
     if named.is_frame and upper in FIXED_FRAMES:
         raise RenameError(f"{{{upper}}} comes from the robot and can't be declared")
     if not named.is_frame and is_word(upper):

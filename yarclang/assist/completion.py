@@ -31,6 +31,7 @@ from yarclang.assist.vocabulary import (
     unit_text,
 )
 from yarclang.cell.allowances import robot_bodies
+from yarclang.cell.tools import NO_TOOL
 from yarclang.commands.registry import actions
 from yarclang.commands.spec import CommandSpec
 from yarclang.decisions import Register
@@ -38,7 +39,6 @@ from yarclang.hir import Output
 from yarclang.robot.library import list_robots
 from yarclang.semantics.declared.watching import REACTIONS
 from yarclang.semantics.names.scope import Input, JointPosition, Pose, RackTool, Routine
-from yarclang.semantics.names.tools import NO_TOOL
 from yarclang.source import Span
 from yarclang.syntax.words import STATES
 from yarclang.units import UNITS
@@ -90,7 +90,7 @@ class _Maker(NameMaker):
     # Candidates for the first word of a statement.
 
     def _heads(self) -> Iterator[Candidate]:
-        """Yield the commands and, without an index, the words of declarations."""
+        """Yield the commands. If the line has no index, also yield the words of declarations."""
         front = "" if self.cursor.has_index else f"{next_index(self.view.sketch, self.cursor.line)} "
         typed = self.cursor.text.upper()
         for name in command_names():
@@ -99,7 +99,7 @@ class _Maker(NameMaker):
             spec, _, _ = found
             suffixes = name.count("_") - spec.name.count("_")
             if suffixes and not (typed.startswith(spec.name) and len(typed) >= len(spec.name)):
-                continue  # too many to list now: they are proposed once the command is written
+                continue  # suffixes give too many names: propose them once the command is written
             text = front + command_snippet(self.view, name)
             yield self.make(name, "command", spec.summary, command_text(name), text, suffixes)
         for name, entry in action_entries().items():
@@ -288,7 +288,7 @@ _OF_TABLES = ("STRETCH", "TOL", "ALLOW")
 
 
 def _options(spec: CommandSpec, cursor: Cursor) -> Iterator[tuple[str, Entry]]:
-    """Yield candidates for the options that can still be added to a command. After the time of a way-point,
+    """Yield candidates for the options that can still be added to a command. After the time of a waypoint,
     also yield the words for joint speeds.
     """
     names = [one.name for one in cursor.before]

@@ -81,7 +81,7 @@ class Cursor:
 
     @property
     def values(self) -> tuple[Lexeme, ...]:
-        """Return the complete values before the place, in its way-point."""
+        """Return the complete values before the place that belong to the same waypoint."""
         lexemes: list[Lexeme] = []
         depth = 0
         for one in self.before[1:]:
@@ -97,7 +97,7 @@ class Cursor:
 
     @property
     def way_point(self) -> int:
-        """Return the number of the way-point that contains the place, from 0."""
+        """Return the number of the waypoint that contains the place, from 0."""
         return sum(one.text == ";" for one in self.before)
 
     @property

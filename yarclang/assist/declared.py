@@ -210,7 +210,7 @@ def described_sub(sketch: Sketch, name: str) -> SubText | None:
 
 
 def sub_lines(sketch: Sketch, name: str) -> list[str]:
-    """Return a SUB's reference."""
+    """Return the description of a SUB from its head and its comment, in Markdown."""
     sub = described_sub(sketch, name)
     if sub is None:
         return []
@@ -221,7 +221,7 @@ def sub_lines(sketch: Sketch, name: str) -> list[str]:
 
 
 def module_lines(sketch: Sketch) -> list[str]:
-    """Return a module's reference in a short form."""
+    """Return the description of a module, with one line for each of its SUBs, in Markdown."""
     module = describe_module(sketch.module)
     lines = [f"**{module.name}**: a module", "", *(f"{one}\n" for one in module.paragraphs)]
     return [*lines, *(f"- `{module.name}.{sub.head}`: {sub.purpose}" for sub in module.subs)]

@@ -16,10 +16,10 @@ from yarclang.identity import fingerprint
 from yarclang.source import SourceFile, Span
 
 _KEPT = 1024
-"""Number of shortest times that are cached: those of the most recently used motions."""
+"""Number of shortest times that are cached: the times of the motions that were used most recently."""
 
 _SHORTER = 0.02
-"""A motion counts as shortest if it exceeds the shortest time by less than this share."""
+"""A motion time counts as the shortest if it exceeds the shortest possible one by less than this share."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,8 +50,8 @@ class ShortestTimes:
     def of(self, view: View, number: int) -> float | None:
         """Return the shortest possible time of a motion [s].
 
-        None if no time works, if the motion isn't planned, or if it is blended with another motion and so has
-        no time of its own.
+        None if no motion time is possible, if the motion isn't planned, or if it is blended with another
+        motion and so has no time of its own.
         """
         planned = view.motion(number)
         step, robot = view.step(number), view.robot

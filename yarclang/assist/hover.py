@@ -144,7 +144,7 @@ def motion_lines(view: View, facts: MotionFacts, pace: Pace | None) -> Iterator[
         yield f"- nearest limit: {load[0]} of {load[1].name}, {percent(load[1].share)} %"
     if facts.certificate is not None and facts.certificate.position.name:
         position = facts.certificate.position
-        yield f"- farthest joint: {position.name}, {percent(position.share)} % of the way to its limit"
+        yield f"- farthest joint: {position.name}, {percent(position.share)} % of the range to its limit"
     yield f"- smallest singular value {facts.smallest:.3f}"
     if (clear := facts.clearance) is not None:
         between = f" ({clear.first} and {clear.second})" if clear.first else ""

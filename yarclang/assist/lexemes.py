@@ -1,4 +1,4 @@
-"""Split a line into words, even if the parser rejects the line."""
+"""Split a line into tokens, even if the parser rejects the line."""
 
 from __future__ import annotations
 
@@ -64,18 +64,19 @@ def _read(line: str) -> tuple[Lexeme, ...]:
 
 
 _KEPT = 1024
-"""Smallest number of lines that the cache holds, at 1 to 2 kB each. For longer texts that are coloured, it
-holds all lines.
+"""Number of lines that the cache can always hold; each takes 1 to 2 kB. If a longer text is coloured, the
+cache holds all of its lines.
 """
 
 lexemes_of = Lately(_read, _KEPT)
-"""Return the pieces of one line. Cached, because the same lines are read many times."""
+"""Return the tokens of one line. They are cached, because the same lines are read many times."""
 
 
 def lexeme_at(line: str, column: int) -> Lexeme | None:
     """Return the token at a column (from 1), or the token that ends there; None between two tokens."""
     touched = [one for one in lexemes_of(line) if one.start <= column <= one.end]
-    # If two pieces touch, prefer the piece with a name, as in `{B}|` or `$|X`.
+    # If two tokens touch at the column, which is shown as | in `{B}|` and `$|X`, prefer the token with a
+    # name.
     named = [one for one in touched if one.kind not in {"mark", "comment"}]
     inside = [one for one in named if column < one.end]
     return next(iter(inside or named or touched), None)

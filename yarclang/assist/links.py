@@ -14,7 +14,7 @@ from yarclang.syntax.ast import Text, Word
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """A range of a program that names a file, which an editor can open.
+    """A range of a program that names a file. Editors can open the file from there.
 
     Attributes:
         span: the range.

@@ -109,7 +109,8 @@ def facts_of(view: View, number: int) -> MotionFacts | None:
 def _moving(view: View, link: FrameLink | None, robot: Robot) -> tuple[str, Array]:
     """Return the name of the frame that a command moves, and its pose flange_from_frame (4, 4).
 
-    For joint motions, this is the moving frame of DEFAULT, or else the robot's own.
+    Without `link`, as for joint motions, this is the moving frame of DEFAULT, or else {TCP}, or {FLANGE} if
+    the robot has no {TCP}.
     """
     if link is not None:
         return link.name, chain_pose(link)

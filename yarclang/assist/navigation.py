@@ -48,8 +48,8 @@ class Target:
         return Place(self.sketch.source, self.symbol.span)
 
     def is_same(self, other: Target | None) -> bool:
-        """Return True if another target is the same declaration. It may have been read from another version
-        of the same text.
+        """Return True if another target is the same declaration, even if the two were read from different
+        versions of a text.
         """
         return (
             other is not None
@@ -157,7 +157,7 @@ def renamable_at(view: View, line: int, column: int) -> Place:
     """
     named = view.sketch.named_at(line, column)
     if named is None:
-        raise RenameError("no name stands here")
+        raise RenameError("there is no name here")
     target = target_of(view, named)
     if target is None:
         shown = f"{{{named.name}}}" if named.is_frame else named.name
@@ -186,7 +186,9 @@ def _check(target: Target, views: list[View], name: str) -> None:
     """Check that a new name is allowed for a declaration."""
     symbol, upper = target.symbol, name.upper()
     if NAME.fullmatch(name) is None:
-        raise RenameError(f"`{name}` is no name: names have letters, digits and _, and begin with no digit")
+        raise RenameError(
+            f"`{name}` is no name: names have letters, digits and _, and don't begin with a digit"
+        )
     if not symbol.is_frame and is_word(upper, of_pose=symbol.kind == "pose"):
         raise RenameError(f"{upper} is a word of the language")
     if symbol.is_frame and upper in FIXED_FRAMES:

@@ -113,7 +113,7 @@ class _Maker:
         if statement.index is None or not self.has_commands:
             return None
         name = f"{statement.index.name} {statement.name.name}"
-        rest = _code(sketch, statement).removeprefix(name).strip()  # an editor shows it after the name
+        rest = _code(sketch, statement).removeprefix(name).strip()  # without the name: an editor shows both
         return Entry(name, rest, "command", statement.whole_span, statement.head_span)
 
 
@@ -122,7 +122,7 @@ def _code(sketch: Sketch, statement: Statement) -> str:
 
 
 def folds(sketch: Sketch) -> tuple[Fold, ...]:
-    """Return the ranges of lines that can be folded: blocks up to their ELSE or END, lists of way-points, and
+    """Return the ranges of lines that can be folded: blocks up to their ELSE or END, lists of waypoints, and
     comments of several lines.
     """
     return tuple(

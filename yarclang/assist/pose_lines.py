@@ -27,8 +27,8 @@ def joints_text(robot: Robot, q: Array) -> str:
 
 
 def chain_lines(link: FrameLink) -> Iterator[str]:
-    """Yield a line with the pose of a frame in its parent, one for each further parent, and one with the
-    frame's pose in the last parent.
+    """Yield a line with the pose of a frame in its parent, then a line with the pose of each parent in its
+    own parent, and a line with the frame's pose in the last parent.
     """
     chain = chain_of(link)
     for one in chain:

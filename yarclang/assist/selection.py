@@ -18,7 +18,7 @@ def around(sketch: Sketch, line: int, column: int) -> tuple[Span, ...]:
     """Return the ranges to which an editor expands the selection at a place (line and column from 1), the
     smallest first.
 
-    They are word, group, way-point, statement, blocks, and the whole text.
+    They are word, group, waypoint, statement, blocks, and the whole text.
     """
     source = sketch.source
     last = max(len(source.lines), 1)
@@ -30,7 +30,7 @@ def around(sketch: Sketch, line: int, column: int) -> tuple[Span, ...]:
     found.append(Span(1, 1, last, len(source.line(last)) + 1))
     spans: list[Span] = []
     for span in found:
-        # Each range contains the previous one.
+        # Keep only ranges that contain the previous one.
         if not spans or (
             _begin(span) <= _begin(spans[-1]) and _end(span) >= _end(spans[-1]) and span != spans[-1]
         ):

@@ -97,7 +97,7 @@ def signature_at(view: View, line: int, column: int) -> Signature | None:
 
 
 def _has_frame(cursor: Cursor) -> bool:
-    """Return True if a moving frame is before the values of the first way-point."""
+    """Return True if a moving frame is before the values of the first waypoint."""
     return len(cursor.before) > 1 and cursor.before[1].kind == "frame" and not cursor.way_point
 
 
@@ -106,7 +106,7 @@ def _is_behind(cursor: Cursor) -> bool:
     option has followed.
     """
     depth = 0
-    # Each way-point of a timetable has a time. After a semicolon, values begin again.
+    # Each waypoint of a timetable has a time. After a semicolon, values begin again.
     begins = max((number for number, one in enumerate(cursor.before) if one.text == ";"), default=0)
     for number, one in enumerate(cursor.before[begins + 1 :], begins + 1):
         if one.text == "[" or (one.text == "(" and not depth):
@@ -120,7 +120,7 @@ def _is_behind(cursor: Cursor) -> bool:
 
 
 def _wanted(cursor: Cursor) -> tuple[Values, str] | None:
-    """Return the values that a command's way-point or a declaration needs."""
+    """Return the values that a command's waypoint or a declaration needs."""
     if cursor.head in _DECLARED:
         return _DECLARED[cursor.head], DECLARED[cursor.head].summary
     found = command_of(cursor.head)
@@ -195,13 +195,13 @@ def called_sub(view: View, cursor: Cursor) -> SubText | None:
 
 
 def given_arguments(pieces: tuple[Lexeme, ...]) -> tuple[list[str], bool]:
-    """Return the names of the arguments that a CALL already has; empty for an argument without a name.
+    """Return the names of the arguments that a CALL already has. An unnamed argument has an empty text.
 
     Args:
         pieces: the tokens of the CALL after the SUB's name. Tokens in brackets belong to one argument.
 
     Returns:
-        The names, in order, and True if the last one still has no value.
+        The names, in order, and True if the last argument has no value yet.
     """
     depth, found, waits = 0, [], False
     for at, one in enumerate(pieces):

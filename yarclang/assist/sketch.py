@@ -51,7 +51,7 @@ class Sketch:
         return self._by_line.get(line)
 
     def begin_of(self, line: int) -> int:
-        """Return the first line of the list of way-points that contains a line; otherwise the line itself."""
+        """Return the first line of the list of waypoints that contains a line; otherwise the line itself."""
         above = line - 1
         begin = line
         while above > 0:

@@ -17,7 +17,7 @@ _HOLE = re.compile(r"\$\{\d+:([^}]*)\}|\$\{\d+\}|\$\d+")
 _FILLED = re.compile(
     r'(?<=")[^"]+(?=")|(?<![A-Za-z0-9_(.-])(?:-?\d+(?:\.\d+)?|[A-Z][A-Z0-9_]*)(?![A-Za-z0-9_])'
 )
-"""Names, numbers and texts of an example, without units."""
+"""Pattern of the names, numbers and texts in an example, which become placeholders. Units are left out."""
 
 
 def plain_text(snippet: str) -> str:

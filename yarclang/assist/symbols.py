@@ -95,7 +95,7 @@ class Use:
         is_frame: True if it names a frame.
         span: place of the name.
         module: module that is written before the name; empty without one.
-        sub: the SUB, in upper case, if the name is that of a parameter in a CALL; else empty.
+        sub: the called SUB, in upper case, if this is the name before an argument of a CALL; else empty.
         symbol: its declaration, if it is in this file.
     """
 
@@ -126,7 +126,7 @@ class Names:
         self._by_name.setdefault((symbol.name, symbol.is_frame), []).append(symbol)
 
     def known_in(self, line: int) -> Iterator[Symbol]:
-        """Yield the declarations whose names may be used in a line, the last declared first."""
+        """Yield the declarations whose names may be used in a line, in reverse order."""
         return (one for one in reversed(self.symbols) if one.is_known_in(line))
 
     def meant(self, name: str, is_frame: bool, line: int) -> Symbol | None:
@@ -135,8 +135,8 @@ class Names:
         return next((one for one in named if one.is_known_in(line)), None)
 
     def declared(self, name: str, is_frame: bool) -> Symbol | None:
-        """Return the declaration of a name that other files see when they use this file as a module: one
-        outside of blocks.
+        """Return the declaration of a name that other files can use if they load this file as a module. Such
+        a declaration is outside of blocks.
         """
         named = self._by_name.get((name, is_frame), [])
         return next((one for one in named if one.last == _END and not one.inside), None)
@@ -241,7 +241,7 @@ class _Reader:
         elif isinstance(own, Word):
             self._declare(_BY_WORD[word], own.name, statement.span(own.place), statement, last, inside)
 
-    # Readers of declarations.
+    # Methods that read declarations.
 
     def _declare(
         self, kind: Kind, name: str, span: Span, statement: Statement, last: int, inside: str = ""
@@ -271,7 +271,7 @@ class _Reader:
         line = statement.line + statement.rows - 1
         self._add(Symbol(kind, frame.name, True, span, statement, line, last, inside))
 
-    # Readers of uses.
+    # Methods that read uses of names.
 
     def _speak_of_all(self, statement: Statement, own: object = None) -> None:
         word = statement.name.name
@@ -288,7 +288,7 @@ class _Reader:
                 if value is not own and not (of_signal and isinstance(value, Word)):
                     self._speak_of(value, statement)
         for item in statement.time.items if statement.time else ():
-            if not isinstance(item, Word):  # MIN and V
+            if not isinstance(item, Word):  # the words MIN and V name nothing
                 self._speak_of(item, statement)
         for option in statement.options:
             self._speak_of(option.argument, statement)

@@ -123,8 +123,8 @@ def _names(line: int, piece: Lexeme, named: dict[tuple[int, int], tuple[Tint, bo
 
 
 def _plain(piece: Lexeme, *, is_head: bool, is_called: bool) -> Tint | None:
-    """Return the kind of a word that isn't a declared name. `MIN` before a bracket is a function, elsewhere a
-    constant (the shortest motion time), and never the unit of minutes.
+    """Return the kind of a word that isn't a declared name. `MIN` is a function before a bracket, and
+    elsewhere a constant (the shortest motion time). It is never the unit of minutes.
     """
     match piece.kind:
         case "comment" | "string" | "number" | "index":

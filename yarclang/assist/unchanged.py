@@ -23,13 +23,17 @@ class Unchanged:
     after: int
 
     def now(self, line: int) -> int | None:
-        """Convert a line number of the older text to that of the newer text; None if the line was changed."""
+        """Convert the number of a line in the older text to its number in the newer text; None if the line
+        was changed.
+        """
         if line <= self.first:
             return line
         return line + self.after - self.before if line > self.before - self.last else None
 
     def then(self, line: int) -> int | None:
-        """Convert a line number of the newer text to that of the older text; None if the line was changed."""
+        """Convert the number of a line in the newer text to its number in the older text; None if the line
+        was changed.
+        """
         return Unchanged(self.first, self.last, self.after, self.before).now(line)
 
 

@@ -23,7 +23,7 @@ from yarclang.semantics.names.scope import Scope
 
 
 def no_module(name: str) -> Sketch | None:  # noqa: ARG001
-    """Return None for any module name: the function for a text without modules."""
+    """Return None for any module name. This is the value of `View.module` for a text without modules."""
     return None
 
 
@@ -53,9 +53,9 @@ class View:
     def planned_at(self, line: int) -> tuple[View, int] | None:
         """Return the view that has the planned motions of a line, and the number of the line in this view.
 
-        The view is that of the current text. If its motions aren't planned, because of errors or because the
-        plan isn't ready, it is the view of the last version that could be planned. None if there is no such
-        version, or if the line has changed since then.
+        If the motions of the current text are planned, this is the view of the current text. Otherwise,
+        because of errors or because the plan isn't ready, it is the view of the last version that could be
+        planned. None if there is no such version, or if the line has changed since then.
         """
         if self.is_planned:
             return self, line

@@ -51,37 +51,39 @@ def action_entries() -> Mapping[str, Entry]:
 
 OPTIONS: Mapping[str, Entry] = MappingProxyType(
     {
-        "BLEND": Entry("flows into the next motion within so many length units of this one's end", "BLEND 5"),
-        "ACC": Entry("uses so much of the acceleration and jerk limits", "ACC 30%"),
+        "BLEND": Entry(
+            "passes into the next motion without a stop, within this distance of the end", "BLEND 5"
+        ),
+        "ACC": Entry("uses this share of the acceleration and jerk limits", "ACC 30%"),
         "TOL": Entry(
-            "how far the moving frame may be from its path, in length units, and be turned: by a degree "
-            "for each millimetre",
+            "the largest deviation of the moving frame from its path, in length units; and in angle, 1 "
+            "degree for each millimetre",
             "TOL 0.05",
         ),
-        "UNTIL": Entry("ends the motion on its way as soon as an input is ON (or OFF)", "UNTIL TOUCH"),
-        "INTO": Entry("the register for how far a line with UNTIL has come, in 0.01 mm", "INTO DEPTH"),
-        "ALLOW": Entry("lets two bodies touch during the motion: they aren't checked", "ALLOW GRIPPER BOX"),
-        "STRETCH": Entry("makes all times of a timetable so many times as long", "STRETCH 1.5"),
-        "NEAR": Entry(
-            "of several solutions for a pose, takes the one nearest to this joint position", "NEAR HOME"
+        "UNTIL": Entry("ends the motion before its target as soon as an input is ON (or OFF)", "UNTIL TOUCH"),
+        "INTO": Entry(
+            "the register for the distance that a line with UNTIL has moved, in 0.01 mm", "INTO DEPTH"
         ),
+        "ALLOW": Entry("lets two bodies touch during the motion: they aren't checked", "ALLOW GRIPPER BOX"),
+        "STRETCH": Entry("multiplies all times of a timetable by this factor", "STRETCH 1.5"),
+        "NEAR": Entry("takes the solution of the pose that is nearest to this joint position", "NEAR HOME"),
     }
 )
 """Words that begin an option."""
 
 RATES: Mapping[str, Entry] = MappingProxyType(
     {
-        "VEL": Entry("the velocity of each joint at a way-point of a timetable", "VEL 0 0 3 0 3 0"),
+        "VEL": Entry("the velocity of each joint at a waypoint of a timetable", "VEL 0 0 3 0 3 0"),
         "ACC": Entry("after VEL, the acceleration of each joint there", "ACC 0 0 0 0 0 0"),
     }
 )
-"""Words after the time of a way-point."""
+"""Words after the time of a waypoint."""
 
 TIMES: Mapping[str, Entry] = MappingProxyType(
     {
         "MIN": Entry("the shortest time that profile and limits allow", "[MIN]"),
         "V": Entry("the speed of the moving frame in length units per time unit", "[V 250]"),
-        "V<=": Entry("as fast as the limits allow, and the moving frame never faster than this", "[V<=250]"),
+        "V<=": Entry("as fast as the limits allow, but the moving frame never faster than this", "[V<=250]"),
     }
 )
 """Words of a motion time."""
@@ -91,7 +93,7 @@ OTHERS: Mapping[str, Entry] = MappingProxyType(
         "ON": Entry("the value 1 of an input or output"),
         "OFF": Entry("the value 0 of an input or output"),
         "PI": Entry("3.14159..."),
-        "OR": Entry("1 if one of both isn't 0"),
+        "OR": Entry("1 if at least one of the two isn't 0"),
         "AND": Entry("1 if neither is 0"),
         "NOT": Entry("1 if it is 0, else 0"),
         "SQRT": Entry("square root", "SQRT(2)"),
@@ -119,7 +121,7 @@ TARGETS: Mapping[str, str] = MappingProxyType(
 FRAMES: Mapping[str, Entry] = MappingProxyType(
     {
         "B": Entry("the robot's base: the world of a program"),
-        "FLANGE": Entry("the robot's flange: tools sit on it"),
+        "FLANGE": Entry("the robot's flange, to which tools are fixed"),
         "TCP": Entry("the tool centre point that the robot's description gives"),
     }
 )
@@ -169,7 +171,7 @@ def command_text(name: str) -> str:
     if target in TARGETS:
         lines += ["", f"`_{target}`: {TARGETS[target]}"]
     if AVOID in name.split("_"):
-        lines += ["", f"`_{AVOID}`: the straight way may be left to get round what is in it"]
+        lines += ["", f"`_{AVOID}`: the path may leave the straight line to avoid bodies"]
     if spec.is_motion and not spec.is_timed:
         lines += ["", f"`_{profile}`: {load_profile(profile).summary}"]
     lines += ["", "```yarc", *spec.examples, "```"]

@@ -1,5 +1,5 @@
-"""The Turbo PMAC backend: all functions that differ between kinds of controllers and that the general
-packages call. The module of each function is imported when it is first used.
+"""The Turbo PMAC backend: the functions that the general packages call for any kind of controller,
+implemented for this one. The module of each function is imported when it is first used.
 """
 
 from __future__ import annotations

@@ -39,24 +39,27 @@ def barrier_lines(barrier: Barrier, target: Target, system: int) -> tuple[str, .
         case "end":
             return ("ENDIF",)
         case "set":
-            raise ValueError("registers are kept by whoever streams, never in a program buffer")
+            raise ValueError("registers are held by the streaming host, which a program buffer doesn't have")
         case "say":
-            raise ValueError("the runtime tells the operator, which a program buffer can't")
+            raise ValueError(
+                "a message to the operator is shown by the runtime, without which a program buffer runs"
+            )
         case "loop" | "next" | "exit" | "endloop":
-            raise ValueError("whoever streams begins a loop anew, never a program buffer")
+            raise ValueError("a loop is repeated by the streaming host, which a program buffer doesn't have")
         case "stop" | "abort":
-            raise ValueError("an R would go on after a STOP in a program buffer")
+            raise ValueError("in a program buffer an R would continue after a STOP")
 
 
 def _wait(barrier: Barrier, system: int) -> list[str]:
     """Return the lines that wait for an input.
 
-    Isx11 counts down by itself, once per servo cycle (TSRM 177).
+    The timer variable Isx11 counts down by itself, once per servo cycle (TSRM 177).
     """
     missing = f"{barrier.variable}!={_value(barrier)}"
     if barrier.timeout is None:
         return [f"WHILE({missing})WAIT"]
-    # A servo cycle takes I10 / 8388608 ms (TSRM 43). At the timeout the program stops; R restarts the wait.
+    # A servo cycle takes I10 / 8388608 ms (TSRM 43). At the timeout the program stops; the command R restarts
+    # the wait.
     timer = system_variable(system, 11)
     return [
         f"{WAITING}=1",

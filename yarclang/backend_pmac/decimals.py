@@ -22,11 +22,14 @@ _SPEED_SHARE = 2e-4
 def decimals_for(robot: Robot, segment: float, tolerance: Tolerance, speed: float = np.inf) -> int:
     """Return the smallest number of decimals d of the control points at which rounding does no harm.
 
-    Rounding moves a control point by up to 0.5 * 10^-d. This moves each motor by that distance times the
-    motor's row of the actuation matrix (limit: a quarter of a count), and changes the acceleration by up to 2
-    * 10^-d / h^2 and the jerk by up to 4 * 10^-d / h^3 (limit: the headroom of the plan), with h the segment
-    time. The roundings of all joints together may move the flange by at most 5 % of the tolerance, and may
-    change a flange speed that is to be kept by at most 0.02 %.
+    Rounding moves a control point by up to 0.5 * 10^-d. With the segment time h, there are these limits:
+
+    - A motor moves by that distance times the sum of its row of the actuation matrix: at most a quarter of a
+      count.
+    - The acceleration changes by up to 2 * 10^-d / h^2 and the jerk by up to 4 * 10^-d / h^3: at most the
+      headroom of the plan.
+    - The roundings of all joints together move the flange by at most 5 % of the tolerance.
+    - They change a flange speed that is to be kept by at most 0.02 %.
 
     Args:
         robot: the robot.

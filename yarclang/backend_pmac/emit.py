@@ -42,11 +42,12 @@ class Emitted:
     def text(self, header: tuple[str, ...]) -> str:
         """Return the whole text.
 
-        The header lines come first, then as comments the map of commands, barriers, registers, watches,
-        searches, offsets, bodies that may touch, and rules of KEEP, then the lines that the controller reads.
+        The header lines come first. The map follows, as comments: commands, barriers, registers, watches,
+        searches, offsets, bodies that may touch, and rules of KEEP. The lines that the controller reads are
+        last.
         """
         maps = len(self.commands) + len(self.barriers) + len(self.registers) + len(self.watches)
-        # A searched motion of length zero has no lines, so no input can end it.
+        # A motion of length zero has no lines, so no input can end it.
         searches = [one for one in self.searches if one.step in self.places]
         allows = [one for one in self.allows if one.step in self.places]
         keeps = [one for one in self.keeps if one.step in self.places]
@@ -100,7 +101,7 @@ def _told(barrier: Barrier) -> str:
 def emit(program: PmacProgram, memory: Memory = NO_MEMORY) -> Emitted:
     """Print a controller program as text.
 
-    The text loads a buffer and moves nothing: the robot starts to move when R is sent.
+    The text loads a buffer and moves nothing: the robot starts to move when the command R is sent.
 
     Args:
         program: the program.

@@ -30,33 +30,33 @@ def segment_grid(robot: Robot, tm: float | None) -> Result[Grid]:
     if asked > LARGEST + 1e-12:
         return _refused(
             "Y1102",
-            f"TM {tm:g} ms: the controller clips at {LARGEST / MS:g} ms",
-            f"ask for {largest / MS:g} or less",
+            f"TM {tm:g} ms is too long: the controller clips at {LARGEST / MS:g} ms",
+            f"give {largest / MS:g} or less",
         )
     if asked > largest + 1e-12:
-        message = f"TM {tm:g} ms is longer than the longest for {robot.name}, {largest / MS:g} ms"
+        message = f"TM {tm:g} ms is too long for {robot.name}: at most {largest / MS:g} ms are allowed"
         return _refused(
             "Y1102",
             message,
-            f"ask for {largest / MS:g} or less, or raise controller.largest_tm in robot.toml",
+            f"give {largest / MS:g} or less, or raise controller.largest_tm in robot.toml",
         )
     if asked < smallest:
         message = (
-            f"TM {tm:g} ms: the controller can't calculate segments shorter than "
-            f"{np.ceil(smallest / MS * 1e4) / 1e4:.6g} ms in time "
-            f"(three real-time interrupts at I8 = {turbo_pmac(robot).i8})"
+            f"TM {tm:g} ms is too short: the controller can't calculate segments shorter than "
+            f"{np.ceil(smallest / MS * 1e4) / 1e4:.6g} ms in time (three real-time interrupts at I8 = "
+            f"{turbo_pmac(robot).i8})"
         )
         least = _neat_above(smallest / MS)
         return _refused(
-            "Y1103", message, f"ask for {least:g} or more, or lower I8 (controller.i8 in robot.toml)"
+            "Y1103", message, f"give {least:g} or more, or lower I8 (controller.i8 in robot.toml)"
         )
     steps = asked / QUANTUM
     if abs(steps - round(steps)) > 1e-6:
         kept = round(steps) * QUANTUM / MS
         message = (
-            f"TM {tm:.12g} ms lies between two steps of 1/4096 ms: the controller would keep {kept:.12g} ms"
+            f"TM {tm:.12g} ms lies between two steps of 1/4096 ms: the controller would use {kept:.12g} ms"
         )
-        return _refused("Y1101", message, f"ask for {kept:.12g}")
+        return _refused("Y1101", message, f"give {kept:.12g}")
     return Result(Grid(smallest, round(steps) * QUANTUM, QUANTUM))
 
 

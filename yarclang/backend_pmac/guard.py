@@ -11,10 +11,10 @@ from yarclang.pmac.controller import turbo_pmac
 from yarclang.robot.model import Robot
 
 _RESERVE = 0.1
-"""Maximum delay of the guard's own PLC [s]."""
+"""Maximum delay with which the guard's PLC notices that too few lines are left [s]."""
 
 _SECONDS_AHEAD = 1.0
-"""Minimum duration of the program that the rotary buffer holds [s]."""
+"""Smallest size of the rotary buffer, as the duration of the motion whose lines it holds [s]."""
 
 
 @frozen

@@ -89,7 +89,7 @@ def _check_letters(file: TomlFile, key: str, names: Sequence[str], size: int) ->
     right_length(file, path, names, size, "name", "joint")
     for at, name in enumerate(names):
         if key == "axes" and (name not in AXES or len(name) != 1):
-            message = f'axes[{at + 1}] is "{name[:20]}", which is no axis of the controller.'
+            message = f'axes[{at + 1}] is "{name[:20]}", which isn\'t an axis of the controller.'
             file.say("Y1321", (*path, at), message, f"Use the letters {' '.join(AXES)}, each once.")
         if key == "feedback" and not (
             re.fullmatch(r"P(0|[1-9][0-9]{0,3})", name) and int(name[1:]) < FIRST_GUARD
@@ -97,7 +97,7 @@ def _check_letters(file: TomlFile, key: str, names: Sequence[str], size: int) ->
             message = (
                 f'feedback[{at + 1}] is "{name[:20]}", which isn\'t a variable from P0 to P{FIRST_GUARD - 1}.'
             )
-            file.say("Y1326", (*path, at), message, "Use P1, P2 and so on; those above are the guard's.")
+            file.say("Y1326", (*path, at), message, "Use P1, P2 and so on; higher ones belong to the guard.")
     code, what = ("Y1322", "Axis") if key == "axes" else ("Y1327", "Variable")
     check_twice(file, code, path, what, names)
 

@@ -22,7 +22,7 @@ from yarclang.runtime.pmac.loading import Loading, capacity_of
 from yarclang.units import MS
 
 _LEAD = 12
-"""Number of lines ahead above I16, as an allowance for a late host."""
+"""Number of lines that must be ahead in addition to I16, as an allowance for delays of the host."""
 
 
 def _decimals(robot: Robot, segment: float) -> int:

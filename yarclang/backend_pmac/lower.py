@@ -149,20 +149,21 @@ def _commands(plan: MotionPlan) -> Iterator[Command]:
 
 
 def _body(plan: MotionPlan, decimals: int) -> Iterator[Item]:
-    """Yield the program after its opening, at whose end the robot is at the start, in SPLINE1.
+    """Yield the items of the program that follow its opening. After the opening, the robot is at the start,
+    and the mode is SPLINE1.
 
-    A sequence ends with the program, at a dwell, or where the segment time changes. There the controller adds
-    an end segment, and a start segment before the next sequence. A stop has three equal points; the last two
-    of them are therefore written only inside a sequence, not at its end. After a motion that flows into the
-    next one, outputs are set in step with the line whose segment begins in the middle of the overlap, which
-    is the first line of the next motion.
+    A sequence of moves ends with the program, at a dwell, and where the segment time changes. The controller
+    adds an end segment there, and a start segment before the next sequence. A stop consists of three equal
+    points. The last two of them are written only if the stop is inside a sequence, since the controller adds
+    them at a sequence's end. After a motion that flows into the next one, outputs are set in step with the
+    line whose segment begins in the middle of the overlap. This is the first line of the next motion.
     """
     steps, units = plan.program.steps, plan.robot.axis_units
     motions = {motion.step: motion for motion in plan.motions}
     lines = _lines(plan, decimals)
     written: float | None = None
-    rests = True  # nothing has moved since the last dwell
-    flows = False  # the last motion flows into the next one
+    rests = True  # True if nothing has moved since the last dwell
+    flows = False  # True if the last motion flows into the next one
     stands = plan.program.start
     ways = Ways(stands)
     for number, step in enumerate(steps):
@@ -216,8 +217,8 @@ def _body(plan: MotionPlan, decimals: int) -> Iterator[Item]:
 
 
 def _lines(plan: MotionPlan, decimals: int) -> dict[int, Array]:
-    """Return the move lines of each motion that stops inside a sequence, by the motion's step. One call
-    rounds all of them.
+    """Return the move lines that each motion has if it stops inside a sequence, by the motion's step. They
+    are rounded in one call.
     """
     points = [motion.curve.points[3:] for motion in plan.motions]
     if not points:
@@ -300,8 +301,8 @@ def _guarded_stretch(body: list[Item], marks: Watermarks) -> list[Item]:
     """Return the lines between two barriers, with the guard armed before the first move and disarmed near the
     end.
 
-    The guard is disarmed before the number of lines ahead falls below the low mark. At most `full` + 2 lines
-    need no guard: they are loaded as a whole before the motion begins.
+    The guard is disarmed before the number of lines ahead falls below the low mark. If there are at most
+    `full` + 2 lines, no guard is needed, since all of them are loaded before the motion begins.
     """
     lines = sum(len(item.values) for item in body if isinstance(item, Moves))
     before_disarming = lines - (marks.low + 2)
@@ -331,16 +332,16 @@ def _guarded_stretch(body: list[Item], marks: Watermarks) -> list[Item]:
 def _start_slack(robot: Robot, segment: float) -> Array:
     """Compute how far each motor may be from the start when the motion begins [counts].
 
-    Within this distance, the first segment needs only a small additional share of each joint's acceleration
-    limit.
+    Within this distance, the first segment needs additional acceleration of at most a small fraction of each
+    joint's limit, `START_SHARE`.
     """
     # A joint that begins with a deviation d needs up to d / h^2 more acceleration in the first segment of
     # duration h.
     joints = START_SHARE * robot.limits.acceleration * segment**2
     matrix = counts_per_joint(robot)
     slack = np.abs(matrix) @ joints
-    # With coupled motors, deviations add up: joint i is off by at most sum_k |(C^-1)_ik| slack_k. All slacks
-    # are scaled alike until no joint exceeds its own share.
+    # With coupled motors, deviations add up: joint i is off by at most sum_k |(C^-1)_ik| slack_k, where C is
+    # `matrix`. All slacks are scaled by one factor such that no joint exceeds its value in `joints`.
     share = (joints / (np.abs(np.linalg.inv(matrix)) @ slack)).min()
     allowed: Array = slack * share
     return allowed

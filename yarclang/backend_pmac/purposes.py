@@ -11,9 +11,11 @@ _PUT = re.compile(r"(?!P8100=)[IPQM]\d+=.*")
 _GUARD = re.compile(r"P8100=([01])")
 _SPLINE = "SPLINE1"
 _TIME = "the segment time of the moves that follow"
-_GUARDS = ("it disarms the guard: fewer lines than it wants are left", "it arms the guard")
+_GUARDS = ("it disarms the guard: fewer lines are left than it needs", "it arms the guard")
 _AT_REST = "DWELL0"
-"""The line before an output or a barrier; a dwell of the program has another time."""
+"""Line at which the robot comes to rest before an output or a barrier. A dwell of the program has another
+time.
+"""
 
 
 def purposes(
@@ -21,8 +23,8 @@ def purposes(
 ) -> Iterator[Stretch]:
     """Yield the purpose of every line after the header; see `yarclang.emitted.purposes.moves_alone`.
 
-    An assignment between moves belongs to a SET and a dwell to a WAIT: they are recognized by their form, and
-    assigned in order.
+    An assignment between moves belongs to a SET and a dwell to a WAIT. These lines are recognized by their
+    form, and are matched with the SETs and WAITs in order.
 
     Args:
         lines: lines of the text.
@@ -51,11 +53,14 @@ def purposes(
             command, what = mover, _TIME
         elif number in barriers:
             command = barrier = by_step.get(barriers[number])
-            what = "a barrier: the program goes no further by itself"
+            what = "a barrier: the program doesn't continue by itself"
             while still and command is not None and still[0].step <= command.step:
                 still.pop(0)
         elif barrier is not None:
-            command, what = barrier, "of its barrier, and a slow way back to where the robot stands already"
+            command, what = (
+                barrier,
+                "of its barrier, a slow move to the position at which the robot already is",
+            )
             if line == _SPLINE:
                 barrier = None
         elif line.startswith("DWELL") and still:

@@ -34,7 +34,7 @@ from yarclang.units import MS
 
 _NEVER = 0
 _MOST_DECIMALS = 20
-"""Largest number of decimals of a coefficient. What further decimals add moves no motor."""
+"""Largest number of decimals of a coefficient. Further decimals are too small to move a motor."""
 _CLEARANCE = 0.01
 """Minimum distance from the end of a motor's range to its software limit [counts].
 
@@ -88,7 +88,9 @@ def _axis_definitions(robot: Robot) -> Iterator[AxisDefinition]:
 
 
 def _number(value: float) -> str:
-    """Print four decimals as in the paper if they are exact, else as many as are needed."""
+    """Print a number with four decimals, as in the paper, if they are exact; otherwise with as many as are
+    needed.
+    """
     short = f"{value:.4f}"
     if float(short) == value:
         return short
@@ -150,7 +152,7 @@ def _motor_settings(robot: Robot) -> Iterator[IVariable]:
 
 
 def _rate(value: float) -> str:
-    """Print four decimals, or more if four would change a small rate by more than 0.1 %."""
+    """Print a rate with four decimals, or with more if four would change a small rate by more than 0.1 %."""
     return f"{value:.{4 if value >= 0.05 else _decimals(value, 5)}f}"
 
 
@@ -167,8 +169,8 @@ def _motor_rate(robot: Robot, joint_rate: Array) -> Array:
     """
     coupling = robot.actuation.coupling
     rate = joint_rate / robot.axis_units
-    # With one rate t for all motors that share joints, joint i moves at most t * sum_k |(J^-1)_ik|, which
-    # must not exceed its limit.
+    # Let J be the coupling matrix. If all motors that share joints have the rate t, joint i moves at most
+    # with t * sum_k |(J^-1)_ik|, which must not exceed its limit.
     share = rate / np.abs(np.linalg.inv(coupling)).sum(axis=1)
     moved = (coupling != 0).astype(float)
     together = np.linalg.matrix_power(moved @ moved.T, len(rate)) @ moved > 0
@@ -228,8 +230,8 @@ def _feedback(robot: Robot) -> Iterator[str]:
     """
     actuation, controller = robot.actuation, turbo_pmac(robot)
     inverse = joints_per_count(robot) / robot.axis_units[:, None] * actuation.gear[None, :]
-    # joint = sum of share * (counts - offset) / gear over the motors; shares that are only rounding are left
-    # out
+    # joint = sum of share * (counts - offset) / gear over the motors; shares that differ from 0 only by
+    # rounding are left out
     for variable, row in zip(controller.feedback, inverse, strict=True):
         terms = ""
         least = 1e-12 * np.abs(row).max()
@@ -260,8 +262,9 @@ def _offset(counts: float) -> str:
 def _guard(robot: Robot) -> Iterator[str]:
     """Yield the lines of PLC 29, the guard.
 
-    The PLC holds the motion once when the rotary buffer is no longer full, and once when the watchdog of the
-    streaming computer has expired.
+    The PLC holds the motion for two reasons: the rotary buffer has run low (fewer than I16 lines are ahead),
+    or the watchdog of the streaming computer has expired. After each arming, each reason causes at most one
+    hold.
     """
     system = turbo_pmac(robot).coordinate_system
     yield f"{HEARTBEAT}={HEARTBEAT}+1"

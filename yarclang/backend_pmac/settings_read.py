@@ -16,7 +16,9 @@ from yarclang.runtime.inspection import Item, Kind
 from yarclang.source import SourceFile, Span
 
 _SET_BY_PROGRAMS = ("I16", "I17")
-"""I-variables that each program sets for itself, so that a controller may have any value."""
+"""I-variables that each program sets for itself. A controller may have any values of them before a program
+runs.
+"""
 
 
 def _written(robot: Robot) -> SourceFile:
@@ -65,11 +67,12 @@ def _differences(
     for name, (line, text) in _printed(found):
         if text != told[name][1]:
             message = (
-                f"{name}{text} is proved too, but `yarc settings {robot.name}` prints {name}{told[name][1]}"
+                f"the proof holds for {name}{text} too, but `yarc settings {robot.name}` prints "
+                f"{name}{told[name][1]}"
             )
-            help_ = "download what it prints: `yarc doctor` and each run refuse another value"
+            help_ = "download the printed settings: `yarc doctor` and each run refuse another value"
             if name.rstrip("=") in _SET_BY_PROGRAMS:
-                help_ = "this is for programs of others: each of yarcc's sets its own"
+                help_ = "this is for other programs: each program of yarcc sets its own"
             span = Span.on_line(line, 1, len(source.line(line)) + 1)
             yield Diagnostic("Y1176", message, source, span, help_)
 

@@ -24,7 +24,7 @@ def simulated(robot: Robot, stands: Array, rate: float, cell: SimulatedCell | No
     Args:
         robot: the robot.
         stands: (n,) the robot's first joint positions [rad or m].
-        rate: seconds of the simulator per second.
+        rate: simulated seconds per real second.
         cell: machines around the robot; None: there are none.
     """
     machine = commissioned(robot, settings_text(robot))

@@ -32,30 +32,29 @@ from yarclang.units import MS
 
 
 def streamed_only(program: Program) -> Diagnostic | None:
-    """Return the finding for a program that only the runtime can execute, so that it can't be written for a
-    program buffer; None if the program can be.
+    """Return the finding for a program that only the runtime can execute; None if the program can be written
+    for a program buffer.
     """
     for one in program.watches:
-        message = f"{one.name} is watched by the runtime, and a program buffer runs without it"
-        return Diagnostic("Y1106", message, program.source, help="leave --target prog out")
+        message = f"{one.name} is watched by the runtime, without which a program buffer runs"
+        return Diagnostic("Y1106", message, program.source, help="remove --target prog")
     for shifted in offsets_of(program):
         message = (
-            f"what is given in {{{shifted.frame}}} is planned by the runtime, and a program buffer runs "
-            f"without it"
+            f"goals in {{{shifted.frame}}} are planned by the runtime, without which a program buffer runs"
         )
-        return Diagnostic("Y1106", message, program.source, help="leave --target prog out")
+        return Diagnostic("Y1106", message, program.source, help="remove --target prog")
     for found in searches_of(program):
         message = (
-            f"what {found.name} ends is planned anew by the runtime, and a program buffer runs without it"
+            f"a motion that {found.name} ends is replanned by the runtime, without which a program buffer "
+            "runs"
         )
-        return Diagnostic("Y1106", message, program.source, help="leave --target prog out")
+        return Diagnostic("Y1106", message, program.source, help="remove --target prog")
     for step in program.steps:
         if isinstance(step, Loop):
             message = (
-                f"{step.origin.name} is begun anew or left by the runtime, and a program buffer runs "
-                f"without it"
+                f"{step.origin.name} is repeated and left by the runtime, without which a program buffer runs"
             )
-            help_ = "leave --target prog out, or repeat a number of times: REPEAT 4"
+            help_ = "remove --target prog, or repeat a number of times: REPEAT 4"
             return Diagnostic("Y1106", message, step.origin.source, step.origin.span, help_)
         is_plain = (
             isinstance(step, When)
@@ -64,27 +63,26 @@ def streamed_only(program: Program) -> Diagnostic | None:
             and simple(step.condition) is not None
         )
         if isinstance(step, Assign | When | WaitUntil) and not is_plain:
-            message = f"{step.origin.name} is decided by the runtime, and a program buffer runs without it"
+            message = f"{step.origin.name} is decided by the runtime, without which a program buffer runs"
             help_ = (
-                f"leave --target prog out, or decide by one input: "
-                f"{'WAIT' if isinstance(step, WaitUntil) or step.origin.name == 'WAIT' else 'WHEN'} "
-                f"DOOR ON"
+                "remove --target prog, or decide by one input: "
+                f"{'WAIT' if isinstance(step, WaitUntil) or step.origin.name == 'WAIT' else 'WHEN'} DOOR ON"
             )
             return Diagnostic("Y1106", message, step.origin.source, step.origin.span, help_)
         if isinstance(step, Hold) and step.register:
-            message = "the answer to a HOLD is taken by the runtime, and a program buffer runs without it"
-            help_ = "leave --target prog out, or hold without a register"
+            message = "the answer to a HOLD is read by the runtime, without which a program buffer runs"
+            help_ = "remove --target prog, or hold without a register"
             return Diagnostic("Y1106", message, step.origin.source, step.origin.span, help_)
         if isinstance(step, Say):
-            message = "SAY is carried out by the runtime, and a program buffer runs without it"
-            help_ = "leave --target prog out, or write HOLD"
+            message = "SAY is executed by the runtime, without which a program buffer runs"
+            help_ = "remove --target prog, or write HOLD"
             return Diagnostic("Y1106", message, step.origin.source, step.origin.span, help_)
         if isinstance(step, Finish):
             message = (
-                f"{step.origin.name} ends the program in one of its ways, and in a program buffer an R "
-                f"would go on there"
+                f"{step.origin.name} ends the program in one of its branches, but in a program buffer an R "
+                "would continue there"
             )
-            help_ = "leave --target prog out, or write HOLD"
+            help_ = "remove --target prog, or write HOLD"
             return Diagnostic("Y1106", message, step.origin.source, step.origin.span, help_)
     return None
 
@@ -141,8 +139,8 @@ def _set_at_rest_only(plan: MotionPlan) -> Iterator[Diagnostic]:
                 continue
             told.add((origin.source, origin.span))
             message = (
-                f"{output.name} is {output.variable}, and motions flow into each other here: "
-                "in motion the controller sets M-variables only"
+                f"{output.name} is {output.variable}, but motions flow into each other here, and in motion "
+                "the controller sets only M-variables"
             )
-            help_ = f"give {output.name} an M-variable, or take the BLEND of the motion before away"
+            help_ = f"give {output.name} an M-variable, or remove the BLEND of the motion before"
             yield Diagnostic("Y1105", message, origin.source, origin.span, help_, place=origin.place)

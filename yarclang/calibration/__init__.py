@@ -1,5 +1,5 @@
-"""Calibrations that use the arm itself as the measuring device: of the tip of a tool, of a frame, and of the
-zero positions of the joints.
+"""Calibrate the tip of a tool, a frame, or the zero positions of the joints, with the arm itself as the
+measuring device.
 
 This package only computes; it moves nothing.
 """

@@ -1,5 +1,5 @@
-"""Write a frame's measured pose into the text of a cell.toml. The new text is checked with the reader of cell
-files.
+"""Write a frame's measured pose into the text of a cell.toml. The reader of cell files checks the new
+text.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ from yarclang.toml.changes import ChangeError
 from yarclang.units import DEG, MM
 
 _NEAR = 5e-6
-"""Largest rounding error that is accepted when the text is read back [m, and entries of rotation
-matrices].
+"""Largest difference between the frame in the new text and the measured pose, which may differ by rounding
+[m, and entries of rotation matrices].
 """
 
 
@@ -71,7 +71,7 @@ def read_frame_cell(source: SourceFile, place: Path, names: Names) -> Cell:
 def with_measured_frame(
     source: SourceFile, place: Path, names: Names, name: str, base_from_frame: Array, parent: str
 ) -> CellWithFrame:
-    """Return a cell.toml in which a frame has a new pose. Comments, order and all other bytes stay unchanged.
+    """Return a cell.toml in which a frame has a new pose. Comments, order and all other bytes don't change.
 
     Args:
         source: the current text.
@@ -79,8 +79,8 @@ def with_measured_frame(
         names: the language's words and the robot, with which the names in the cell are checked.
         name: name of the frame, in upper case.
         base_from_frame: (4, 4) pose of the frame in {B} [m].
-        parent: parent of a new frame: one of the cell's stationary frames, or B. An existing frame keeps its
-            own parent.
+        parent: parent of a new frame: one of the cell's stationary frames, or B. A frame that is already
+            in the file keeps its parent.
 
     Raises:
         CellFrameError: the frame can't be written into the text.
@@ -92,15 +92,17 @@ def with_measured_frame(
             f"{{{name}}} is in {place.name}, and can't be read", "correct it there first", "frame"
         )
     if old is not None and old.mount.on_flange:
-        raise CellFrameError(f"{{{name}}} in {place.name} sits on the flange", "choose another name", "name")
+        raise CellFrameError(
+            f"{{{name}}} in {place.name} is attached to the flange", "choose another name", "name"
+        )
     wanted = old.parent if old is not None else parent.strip("{} ").upper()
     local = np.linalg.inv(_standing(cell, wanted)) @ base_from_frame
     try:
         text = with_frame(source, _key(source.text, name), local, wanted)
     except ChangeError as error:
         raise CellFrameError(
-            f"{place.name} is written in a form that can't be changed here: {error}",
-            "give the frame a table [frames.NAME] of its own, or change the file by hand",
+            f"{place.name} has a form that can't be edited automatically: {error}",
+            "give the frame its own table [frames.NAME], or edit the file by hand",
             "form",
         ) from None
     after = read_cell(SourceFile(source.name, text), place.parent, names)
@@ -108,8 +110,8 @@ def with_measured_frame(
     if found is None or np.abs(found.mount.transform - base_from_frame).max() > _NEAR:
         said = f": {after.diagnostics[0].message}" if after.diagnostics else ""
         raise CellFrameError(
-            f"the file would not be read back as what was measured{said}",
-            "change the file by hand; nothing was written",
+            f"the edited file wouldn't contain the measured frame{said}",
+            "edit the file by hand; nothing was written",
             "form",
         )
     what = (
@@ -119,7 +121,7 @@ def with_measured_frame(
     )
     hanging = sorted(one.name for one in cell.frames.values() if one.parent == name)
     if hanging:
-        what += f"; {', '.join(f'{{{one}}}' for one in hanging)} hang on it, and move with it"
+        what += f"; {', '.join(f'{{{one}}}' for one in hanging)} are attached to it, and move with it"
     return CellWithFrame(text, what, after.diagnostics)
 
 
@@ -134,9 +136,7 @@ def _key(text: str, name: str) -> str:
 def _standing(cell: Cell, name: str) -> Array:
     mount = ROOTS.get(name) or (cell.frames[name].mount if name in cell.frames else None)
     if mount is None or mount.on_flange:
-        raise CellFrameError(
-            f"{name[:40]!r} isn't a frame of the cell that stands still", "choose B", "parent"
-        )
+        raise CellFrameError(f"{name[:40]!r} isn't a fixed frame of the cell", "choose B", "parent")
     return mount.transform
 
 

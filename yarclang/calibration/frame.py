@@ -1,4 +1,4 @@
-"""Calibration of a frame by touching its origin, a point on its x axis, and points of its x-y plane."""
+"""Calibrate a frame from touches of its origin, of a point on its x axis, and of points of its x-y plane."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from yarclang.transforms import constant
 from yarclang.units import DEG, MM
 
 LEAST_LENGTH = 10.0 * MM
-"""Least distance of points from the origin. Nearer points give no accurate direction."""
+"""Least distance of a point from the origin [m]. A nearer point gives no accurate direction."""
 LEAST_ANGLE = 5.0 * DEG
-"""Least angle between the x axis and the direction to a point of the plane."""
+"""Least angle between the x axis and the direction from the origin to a point of the plane [rad]."""
 LARGEST_HEIGHT = 0.5 * MM
-"""Distance from the plane above which a point is reported."""
+"""Distance of a point from the plane above which a warning is given [m]."""
 
 
 @frozen(eq=False)
@@ -40,43 +40,45 @@ def find_frame(origin: Array, on_x: Array, on_plane: Sequence[Array]) -> Result[
     Args:
         origin: (3,) origin of the frame, in {B} [m].
         on_x: (3,) a point on the positive x axis, in {B} [m].
-        on_plane: one or more points (3,) of the x-y plane with y > 0, in {B} [m]. With more than one, the
-            plane through the origin fits all points best (least squares of their distances), and the x axis
-            is the projection of the direction to `on_x`.
+        on_plane: one or more points (3,) of the x-y plane with y > 0, in {B} [m]. With more than one,
+            the plane is the best fit through the origin (least squares of the distances of all points),
+            and the x axis is the projection of the direction to `on_x`.
 
     Returns:
-        The frame, with a warning if the points aren't in a plane; None, with a finding, if points are too
+        The frame, with a warning if the points aren't in a plane. None, with a finding, if points are too
         near to each other or on a line.
     """
     names = ["the point on x", *(f"point {number} of the plane" for number in range(1, len(on_plane) + 1))]
     if not on_plane:
         return _refused(
-            "Y1901", "no point of the plane is there", "touch a point of the x-y plane on the side of y"
+            "Y1901", "no point of the plane was touched", "touch a point of the x-y plane on the side of y"
         )
     along = np.array([on_x, *on_plane], dtype=np.float64) - origin
     lengths = np.linalg.norm(along, axis=1)
     if lengths.min() < LEAST_LENGTH:
         name = names[int(np.argmin(lengths))]
         message = (
-            f"{name} is {lengths.min() / MM:.1f} mm from the origin; {LEAST_LENGTH / MM:g} mm are the least"
+            f"{name} is {lengths.min() / MM:.1f} mm from the origin, but at least {LEAST_LENGTH / MM:g} mm "
+            "are needed"
         )
         return _refused(
             "Y1903",
             message,
-            "touch points as far apart as the workpiece allows: an error of 0.1 mm turns the frame by "
-            "0.1 mm through their distance",
+            "touch points as far apart as the workpiece allows: an error of 0.1 mm rotates the frame by "
+            "0.1 mm divided by their distance",
         )
     sines = np.linalg.norm(np.cross(along[0], along[1:]), axis=1) / (lengths[0] * lengths[1:])
     angles = np.arcsin(np.clip(sines, 0.0, 1.0))
     if angles.max() < LEAST_ANGLE:
         message = (
-            f"the points are in a line: seen from the origin they are {angles.max() / DEG:.1f} deg apart"
+            "the points are nearly in a line: their directions from the origin differ by "
+            f"{angles.max() / DEG:.1f} deg"
         )
-        return _refused("Y1903", message, "touch a point well beside the x axis")
+        return _refused("Y1903", message, "touch a point farther from the x axis")
     first = int(np.argmax(angles)) + 1
     upwards = np.cross(along[0], along[first])
-    # Total least squares: the normal of the best plane through the origin is the direction of the smallest
-    # singular value. Its sign makes the frame right-handed.
+    # Total least squares: the best plane through the origin has as normal the direction of the smallest
+    # singular value. The sign is chosen such that the frame is right-handed.
     *_, directions = np.linalg.svd(along)
     z = directions[2] * (1.0 if directions[2] @ upwards > 0 else -1.0)
     x = along[0] - (along[0] @ z) * z
@@ -98,7 +100,7 @@ def find_frame(origin: Array, on_x: Array, on_plane: Sequence[Array]) -> Result[
     worst = int(np.argmax(np.abs(heights)))
     message = f"the points aren't in a plane: {names[worst - 1]} is {heights[worst] / MM:.2f} mm off"
     return Result(
-        found, (Diagnostic("Y1904", message, help="touch it again, or look whether the surface is flat"),)
+        found, (Diagnostic("Y1904", message, help="touch it again, or check if the surface is flat"),)
     )
 
 

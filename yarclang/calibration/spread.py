@@ -1,9 +1,9 @@
-"""Propagation of the errors of single touches to the error of a calibrated tip or frame, and search for a
-further touch that reduces this error.
+"""Compute the error of a calibrated tip or frame from the errors of single touches, and propose a further
+touch that reduces it.
 
-The errors of touches are assumed to be independent, equally distributed in all directions, and larger than
-`error` in 5 of 100 touches. Results have the same confidence: the true tip is outside of the reported
-ellipsoid in at most 5 of 100 calibrations.
+The errors of touches are assumed to be independent and equally distributed in all directions. 5 of 100
+touches have an error larger than the parameter `error`. Likewise, in at most 5 of 100 calibrations the true
+tip is outside of the reported ellipsoid.
 """
 
 from __future__ import annotations
@@ -18,31 +18,35 @@ from yarclang.transforms import constant, turn_about
 from yarclang.units import DEG, MM
 
 ERROR = 0.5 * MM
-"""Error of one touch that is assumed if the touches give no estimate: for touching by eye, with a pointed
-tip.
+"""Assumed error of one touch, if the touches give no estimate [m]. This value applies to touching by eye with
+a pointed tip.
 """
 LEAST_ERROR = 0.1 * MM
-"""Least error of one touch. It is used if the touches agree better than an eye can see."""
+"""Least error of one touch [m]. A smaller estimate is raised to it, since an eye can't see smaller
+distances.
+"""
 LARGEST_TIP = 1.5 * MM
-"""Largest error of a tip along any direction, above which other touches are needed."""
+"""Error of a tip in its worst direction above which further touches are needed [m]."""
 LARGEST_TURN = 0.3 * DEG
-"""Largest error of a frame about any axis, above which points farther apart are needed."""
+"""Error of a frame's orientation about its worst axis above which points farther apart are needed [rad]."""
 FAR = 500.0 * MM
-"""Distance from the origin of a frame at which its error is reported."""
+"""Distance from the origin of a frame at which its error is reported [m]."""
 
 _ANGLES = (20.0, 30.0, 45.0)
 _TELLING = 6
-"""Least degrees of freedom for an estimate of the error of a touch from residuals: those of four touches."""
+"""Least number of degrees of freedom for which residuals give an estimate of the error of a touch. Four
+touches of a point have this number.
+"""
 _SHARE = 0.95
 _ASSUMED = 2.7955
-"""Radius of the sphere that contains the share `_SHARE` of a normal distribution in space, in standard
-deviations.
+"""Radius of the sphere that contains the fraction `_SHARE` of a normal distribution in space, as a multiple
+of the standard deviation.
 
 It is the square root of the chi-square quantile for 3 degrees of freedom.
 """
 _NOTHING = 1e-9
-"""Information about a direction, relative to that of a single touch, below which nothing counts as known
-about it.
+"""Information about a direction, relative to 1 / error², below which the tip's position in this direction
+counts as unknown.
 """
 
 
@@ -51,7 +55,8 @@ class TipSpread:
     """Uncertainty of a calibrated tool tip, as an ellipsoid around it.
 
     Attributes:
-        axes: (3,) its half axes, the longest first [m]; infinite in directions about which nothing is known.
+        axes: (3,) its half axes, the longest first [m]; infinite in directions in which the tip's
+            position is unknown.
         directions: (3, 3) directions of the half axes, as rows in {FLANGE}.
     """
 
@@ -80,9 +85,9 @@ class FrameSpread:
 
     Attributes:
         origin: error of its origin [m].
-        turns: (3,) errors of its orientation about x, y and z [rad]; infinite for an axis about which nothing
-            is known.
-        base: distance of the touched point on x from the origin [m].
+        turns: (3,) errors of its orientation about x, y and z [rad]; infinite for an axis about which it
+            is unknown.
+        base: distance of the touched point on the x axis from the origin [m].
         width: largest distance of a touched point of the plane from the x axis [m].
     """
 
@@ -95,7 +100,7 @@ class FrameSpread:
         """Return the largest error [m] of a point at a distance [m] from the frame's origin, in the worst
         direction.
 
-        The errors of the origin and of the orientation are correlated. Their sum is an upper bound for any
+        The errors of the origin and of the orientation are correlated. Their sum is an upper bound for every
         correlation.
         """
         return self.origin + float(np.sqrt(np.sum(self.turns**2))) * distance
@@ -104,8 +109,8 @@ class FrameSpread:
 def touch_error(squares: float, freedom: int) -> float:
     """Estimate the error of one touch [m] from the residuals of a calibration.
 
-    Few residuals give a poor estimate. The quantile of Hotelling's T-squared distribution takes this into
-    account.
+    Few residuals give a poor estimate. The estimate is therefore multiplied by a quantile of Hotelling's
+    T-squared distribution, which is larger for fewer residuals.
 
     Args:
         squares: sum of the squares of the residuals along all axes [m^2].
@@ -120,11 +125,12 @@ def touch_error(squares: float, freedom: int) -> float:
 
 
 def tip_information(rotations: Array, error: float = ERROR) -> Array:
-    """Return the information that touches give about the tool tip: the matrix of the uncertainty ellipsoid.
+    """Return the information that touches give about the tool tip: the matrix A of the uncertainty ellipsoid
+    xᵀ A x = 1.
 
-    Each touch gives R p + t = c + e, with the tip p, the fixed point c and the error e. Eliminating c by
-    subtracting the mean over all touches gives the normal equations sum (R - mean)^T (R - mean) p = ...,
-    whose matrix is the information.
+    Each touch gives R p + t = c + e, with the tip p, the fixed point c and the error e. The mean over all
+    touches is subtracted, which eliminates c. The normal equations are then sum (R - mean)^T (R - mean) p =
+    ..., and their matrix is the information.
 
     Args:
         rotations: (k, 3, 3) rotations of the flange at the touches.
@@ -154,7 +160,7 @@ def tip_spread(rotations: Array, error: float = ERROR) -> TipSpread:
 
 
 def helpful_tilt(rotations: Array, error: float = ERROR) -> Tilt:
-    """Return the smallest tilt of the tool, relative to the last touch, with which a further touch makes the
+    """Return the smallest tilt of the tool, relative to the last touch, such that one more touch makes the
     tip accurate enough.
 
     If there is no such tilt, return the tilt that reduces the uncertainty most.
@@ -170,7 +176,7 @@ def helpful_tilt(rotations: Array, error: float = ERROR) -> Tilt:
     finite = [one for one in tilts if np.isfinite(one.longest)]
     if finite:
         return min(finite, key=lambda one: one.longest)
-    # No single tilt determines the tip. Tilt about the axis that is most nearly perpendicular to the worst
+    # No single tilt determines the tip. Tilt about the axis that is closest to perpendicular to the worst
     # direction.
     worst = tip_spread(rotations, error).directions[0]
     return Tilt(int(np.argmin(np.abs(worst))), 30.0 * DEG, np.inf)
@@ -184,8 +190,8 @@ def _tilts(rotations: Array, error: float) -> Iterator[Tilt]:
             for sign in (1.0, -1.0):
                 angle = sign * degrees * DEG
                 apart = rotations[-1] @ turn_about(axis, angle) - mean
-                # The further touch adds one term to the sum and also moves the mean, hence the factor k / (k
-                # + 1).
+                # The additional touch adds one term to the sum, and also moves the mean. With k touches so
+                # far (`known`), this gives the factor k / (k + 1).
                 with_it = information + apart.T @ apart * (known / (known + 1)) / error**2
                 least = float(np.linalg.eigvalsh(with_it)[0])
                 told = least > _NOTHING / error**2
@@ -195,13 +201,14 @@ def _tilts(rotations: Array, error: float) -> Iterator[Tilt]:
 def frame_spread(points: Array, error: float = ERROR) -> FrameSpread:
     """Return the uncertainty of a frame after touches.
 
-    To first order, errors of the points turn the frame by w. The errors dh of the heights of all points give
-    w_x and w_y by least squares, dh = w_x y - w_y x. The error dy of the point on the x axis gives w_z = dy /
-    x. All errors are relative to the origin, whose own error adds to each of them.
+    To first order, errors of the points rotate the frame by w. The errors dh of the heights of all points
+    give w_x and w_y by least squares, dh = w_x y - w_y x. The error dy of the point on the x axis gives w_z =
+    dy / x. All points are measured relative to the origin, so the error of the origin is added to each of
+    these errors.
 
     Args:
-        points: (k, 3) the touched points: the origin, a point on x, and points of the plane; at least one
-            point [m].
+        points: (k, 3) the touched points [m]: the origin, a point on the x axis, and points of the
+            plane. Only the origin is required.
         error: error of one point [m].
     """
     turns = np.full(3, np.inf)
@@ -220,8 +227,8 @@ def frame_spread(points: Array, error: float = ERROR) -> FrameSpread:
         return FrameSpread(error, constant(turns), base, width)
     heights = np.column_stack((flat[:, 1], -flat[:, 0]))
     solve = np.linalg.pinv(heights)
-    # Columns: the errors of the points' heights, and the error of the origin, to which all heights are
-    # relative.
+    # The last column is the error of the origin, to which all heights are relative. The others are the errors
+    # of the points' heights.
     errors = np.column_stack((solve, -solve.sum(axis=1)))
     turns[:2] = error * np.sqrt(np.sum(errors**2, axis=1))
     return FrameSpread(error, constant(turns), base, width)

@@ -1,4 +1,6 @@
-"""Calibration of the tip of a tool (TCP) by touching one point in several poses: the four-point method."""
+"""Calibrate the tip of a tool (TCP): the four-point method, in which the tip touches one fixed point in
+several poses.
+"""
 
 from __future__ import annotations
 
@@ -15,9 +17,11 @@ from yarclang.units import DEG, MM
 
 FEWEST_TOUCHES = 4
 LEAST_TILT = 15.0 * DEG
-"""Least spread of the orientations [rad], measured for the tool direction that turns least."""
+"""Least angle [rad] by which each direction of the tool must change between touches. The direction that
+changes least is checked.
+"""
 LARGEST_MISS = 1.0 * MM
-"""Distance of a touch from the point above which it is reported."""
+"""Distance between tip and fixed point at a touch above which a warning is given [m]."""
 
 
 @frozen(eq=False)
@@ -27,9 +31,9 @@ class TipCalibration:
     Attributes:
         flange_from_tip: (3,) the tip in {FLANGE} [m].
         fixed: (3,) the touched point in {B} [m].
-        misses: (k,) distance of the tip from that point in each pose [m].
-        uncertainty: (3,) extent along x, y and z of {FLANGE} of the ellipsoid that contains the true tip in
-            95 of 100 calibrations [m].
+        misses: (k,) distance of the tip from the touched point in each pose [m].
+        uncertainty: (3,) extent of the uncertainty ellipsoid along x, y and z of {FLANGE} [m]; it
+            contains the true tip in 95 of 100 calibrations.
         error: error of one touch, estimated from the misses [m].
     """
 
@@ -55,26 +59,26 @@ def find_tip(base_from_flange: Sequence[Array] | Array) -> Result[TipCalibration
         base_from_flange: k poses (4, 4) of the flange [m], at least four.
 
     Returns:
-        The tip, with a warning if the poses contradict each other; None, with a finding, if there are too few
-        poses, or if they don't differ enough.
+        The tip, with a warning if the poses contradict each other. None, with a finding, if there are too few
+        poses, or if they are too similar.
     """
     poses = np.asarray(base_from_flange, dtype=np.float64).reshape(-1, 4, 4)
     count = len(poses)
     if count < FEWEST_TOUCHES:
-        message = f"{count} of at least {FEWEST_TOUCHES} touches of the point are there"
-        return _refused("Y1901", message, "touch the same point again, with the tool turned another way")
+        message = f"{count} touches of the point, but at least {FEWEST_TOUCHES} are needed"
+        return _refused("Y1901", message, "touch the same point again, with another orientation of the tool")
     rotation, place = poses[:, :3, :3], poses[:, :3, 3]
     lean, axis = _least_tilt(rotation)
     if lean < LEAST_TILT:
         along = " ".join(f"{value:.2f}" for value in axis)
         message = (
-            f"the tool's direction {along} (in {{FLANGE}}) pointed the same way within {lean / DEG:.1f} "
-            f"deg in all touches: the place of the tip along it can't be computed"
+            f"the tool's direction {along} (in {{FLANGE}}) was the same within {lean / DEG:.1f} deg in all "
+            "touches, so the tip's position along it can't be computed"
         )
         return _refused(
             "Y1902",
             message,
-            f"tilt the tool by {LEAST_TILT / DEG:g} deg or more to several sides between the touches",
+            f"tilt the tool by {LEAST_TILT / DEG:g} deg or more in several directions between the touches",
         )
     # Three equations R p - c = -t for each touch, with the unknowns p and c.
     matrix = np.concatenate([np.concatenate(rotation), -np.tile(np.eye(3), (count, 1))], axis=1)
@@ -88,27 +92,25 @@ def find_tip(base_from_flange: Sequence[Array] | Array) -> Result[TipCalibration
     if misses.max() <= LARGEST_MISS:
         return Result(found)
     message = (
-        f"the touches miss each other: touch {found.worst + 1} by {misses.max() / MM:.2f} mm, all of "
-        f"them by {np.sqrt(np.mean(misses**2)) / MM:.2f} mm in the mean"
+        f"the touches disagree: touch {found.worst + 1} by {misses.max() / MM:.2f} mm, all of them by "
+        f"{np.sqrt(np.mean(misses**2)) / MM:.2f} mm (rms)"
     )
-    help_ = f"repeat touch {found.worst + 1}; if that doesn't help, the arm's zeros or its geometry are off"
+    help_ = f"repeat touch {found.worst + 1}; if that doesn't help, check the arm's zeros and its geometry"
     return Result(found, (Diagnostic("Y1904", message, help=help_),))
 
 
 def _least_tilt(rotation: Array) -> tuple[float, Array]:
-    """Return by how much the orientations of the flange differ, measured for the flange direction that turns
-    least.
+    """Return the direction on the flange that changes least between the given orientations, and its change.
 
     Args:
         rotation: (k, 3, 3) orientations.
 
     Returns:
-        The largest angle between the images of this direction in two orientations [rad], and the direction
-        (3,) in {FLANGE}.
+        The largest angle between the images in {B} of this direction in two orientations [rad], and the
+        direction (3,) in {FLANGE}.
     """
     apart = rotation - rotation.mean(axis=0)
-    # The direction of the smallest singular value is the one whose images differ least, in the sum of
-    # squares.
+    # The direction of the smallest singular value has the images that differ least, in the sum of squares.
     *_, directions = np.linalg.svd(np.concatenate(apart))
     axis: Array = directions[-1] * np.sign(directions[-1][np.argmax(np.abs(directions[-1]))])
     images = rotation @ axis

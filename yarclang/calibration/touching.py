@@ -1,5 +1,5 @@
-"""The touches of a calibration, the calibration's result, and the next instruction for the user. Nothing here
-moves the robot.
+"""Collect the touches of a calibration, compute its result, and tell the user the next step. This module
+moves no robot.
 """
 
 from __future__ import annotations
@@ -25,17 +25,17 @@ class Touching(ABC):
 
     Args:
         robot: the robot that touches.
-        name: name of the tool, frame or other object that is calibrated.
+        name: name of the calibrated object, such as a tool or a frame.
 
     Attributes:
-        fewest: least number of touches.
+        fewest: least number of touches for a result.
         joints: joint positions (n,) at each touch [rad or m].
         findings: findings about the touches so far.
     """
 
     fewest = 1
     named: tuple[str, ...] = ()
-    """Names of the first touches. Each of these touches has a meaning of its own."""
+    """Names of the first touches, if each of them has a meaning of its own, such as `origin`."""
 
     def __init__(self, robot: Robot, name: str) -> None:
         self.robot = robot
@@ -57,10 +57,10 @@ class Touching(ABC):
         self.solve()
 
     def can_go(self, at: int) -> bool:
-        """Return True if the touch with an index can be removed.
+        """Return True if the touch with index `at` can be removed.
 
-        Some first touches have a meaning of their own, such as the origin of a frame. Such a touch can be
-        removed only if it is the last one, since otherwise the next touch would get its meaning.
+        A touch with a meaning of its own (`named`), such as the origin of a frame, can be removed only if it
+        is the last touch. Otherwise the next touch would get its meaning.
         """
         return at >= len(self.named) or at == len(self.joints) - 1
 
@@ -70,7 +70,7 @@ class Touching(ABC):
         self.solve()
 
     def error(self) -> float:
-        """Return the error of one touch [m]: estimated from the touches, or assumed."""
+        """Return the error of one touch [m]: an estimate from the touches, or an assumed value."""
         return ERROR
 
     @property
@@ -103,7 +103,9 @@ class Touching(ABC):
 
     @abstractmethod
     def residuals(self) -> Array | None:
-        """Return the residuals of all touches (k,) [mm; for joints deg or mm]; None without a result."""
+        """Return the residuals of all touches (k,): distances in mm, but angles in deg for a revolute joint.
+        None if there is no result.
+        """
 
 
 class TipTouching(Touching):
@@ -132,8 +134,8 @@ class TipTouching(Touching):
     def next_step(self) -> str:
         """Return the instruction for the first touch, or for a touch with a tilted tool."""
         if not self.joints:
-            return "bring the tool's tip to a fixed, pointed object"
-        return "bring it to the same point again, tilted to another side by 20 deg or more"
+            return "move the tool's tip to a fixed, pointed object"
+        return "move it to the same point again, tilted in another direction by 20 deg or more"
 
     def result_text(self) -> str:
         """Return the position of the tip and its uncertainty, in words."""
@@ -143,9 +145,8 @@ class TipTouching(Touching):
         misses = self.value.misses / MM
         return (
             f"{len(misses)} touches: {{{self.name}}} is at {_numbers(tip)} mm in {{FLANGE}}, to "
-            f"{_numbers(spread)} mm (95 %); "
-            f"the touches miss each other by {misses.mean():.3f} mm, touch {self.value.worst + 1} most, "
-            f"by {misses.max():.3f} mm"
+            f"{_numbers(spread)} mm (95 %); the touches disagree by {misses.mean():.3f} mm, touch "
+            f"{self.value.worst + 1} most, by {misses.max():.3f} mm"
         )
 
     def residuals(self) -> Array | None:
@@ -159,7 +160,7 @@ class FrameTouching(Touching):
     Args:
         robot: the robot that touches.
         name: name of the frame.
-        flange_from_tip: (4, 4) the touching tip [m].
+        flange_from_tip: (4, 4) pose of the tip that touches the points [m].
     """
 
     fewest = 3
@@ -194,14 +195,14 @@ class FrameTouching(Touching):
     def next_step(self) -> str:
         """Return the instruction for the next point."""
         steps = (
-            "bring the tip to the origin",
-            "bring it to a point on the x axis, far out",
-            "bring it to a point of the x-y plane on the side of y",
+            "move the tip to the origin",
+            "move it to a point on the x axis, far from the origin",
+            "move it to a point of the x-y plane on the side of y",
         )
         return (
             steps[len(self.joints)]
             if self.missing
-            else "bring it to another point of the x-y plane on the side of y"
+            else "move it to another point of the x-y plane on the side of y"
         )
 
     def result_text(self) -> str:
@@ -212,7 +213,7 @@ class FrameTouching(Touching):
         flat = (
             f"the points lie within {heights.max():.3f} mm of a plane"
             if len(self.joints) > self.fewest
-            else "three points lie in every plane: a fourth one would show how exact it is"
+            else "three points always lie in a plane: a fourth point would show the error"
         )
         return f"{{{self.name}}} is found; {flat}"
 
@@ -251,17 +252,19 @@ class HomeTouching(Touching):
     def next_step(self) -> str:
         """Return the instruction to move the joints to their marks."""
         marks = "its mark" if len(self.marks) == 1 else "their marks"
-        return f"bring {self.name} to {marks}{', approached anew' if self.joints else ''}"
+        return f"move {self.name} to {marks}{', approached anew' if self.joints else ''}"
 
     def result_text(self) -> str:
-        """Return the current errors of the joint positions and the repeatability of the marks, in words."""
+        """Return, in words, the errors of the joint positions as the robot indicates them now, and the
+        repeatability of the marks.
+        """
         if self.value is None:
             return ""
         shift, spread = (values / self.robot.axis_units for values in (self.value.shift, self.value.spread))
         return "\n".join(
-            f"{name} reads {-shift[at]:+.4f} {self.robot.axis_unit_names[at]} wrong"
+            f"the reading of {name} is off by {-shift[at]:+.4f} {self.robot.axis_unit_names[at]}"
             + (
-                f"; its visits differ from their mean by {spread[at]:.4f} "
+                f"; its approaches differ from their mean by {spread[at]:.4f} "
                 f"{self.robot.axis_unit_names[at]} at most"
                 if len(self.joints) > 1
                 else ""
@@ -271,10 +274,10 @@ class HomeTouching(Touching):
         )
 
     def residuals(self) -> Array | None:
-        """Return the distance of each visit of the marks from the mean of all visits, for the joint that
-        differs most, as (k,) [deg or mm].
+        """Return the residual of each visit of the marks, (k,) [deg or mm]: the distance from the mean of all
+        visits, for the joint whose visits differ most.
 
-        The result is None for a single visit.
+        The result is None after a single visit.
         """
         if self.value is None or len(self.joints) < 2:
             return None

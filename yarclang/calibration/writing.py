@@ -62,12 +62,13 @@ def with_tip(robot_toml: SourceFile, name: str, flange_from_tip: Array) -> str:
 
 
 def with_frame(cell_toml: SourceFile, name: str, parent_from_frame: Array, parent: str) -> str:
-    """Return the text of a cell.toml in which a frame has a new pose, rounded to 1 um and 0.0001 deg, in the
-    units of the frame's table.
+    """Return the text of a cell.toml in which a frame has a new pose, in the units of the frame's table. The
+    pose is rounded to 1 um and 0.0001 deg.
 
     Args:
         cell_toml: a text that tomllib accepts.
-        name: name of the frame. A frame that is already in the file with this spelling keeps its parent.
+        name: name of the frame, as the file spells it. A frame that is already in the file keeps its
+            parent.
         parent_from_frame: (4, 4) pose of the frame in its parent [m].
         parent: parent of a new frame.
 
@@ -99,7 +100,7 @@ def with_frame(cell_toml: SourceFile, name: str, parent_from_frame: Array, paren
 
 
 _LENGTH, _ANGLE = 1e-6, 2e-6
-"""Approximate resolution of written lengths [m] and of written angles [rad]."""
+"""Approximate steps to which written lengths [m] and angles [rad] are rounded."""
 
 
 def _units(text: object) -> Iterator[Unit]:
@@ -110,7 +111,7 @@ def _units(text: object) -> Iterator[Unit]:
 
 
 def _digits(factor: float, step: float) -> int:
-    """Return the number of decimals with which a printed value has at least a given resolution.
+    """Return the number of decimals that a printed value needs for a given resolution.
 
     Args:
         factor: size of the value's unit [m or rad].

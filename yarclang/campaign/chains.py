@@ -21,7 +21,8 @@ def drawn_chain(arm: Arm, random: np.random.Generator) -> Drawn:
     (point,), turns = arm.poses(middle[None])
     lines, said = begun(arm, middle)
     step, turn, begin = len(said), turns[0], point
-    # The compiler tries several ways to plan parts of up to 40 motions, which takes seconds.
+    # A chain has either more than 40 motions or few: the compiler tries several ways to plan parts of up to
+    # 40 motions, which takes seconds.
     is_long = random.random() < 0.7
     count = int(random.integers(43, 52)) if is_long else 3
     stops = {count - 3} if is_long and random.random() < 0.4 else set()
@@ -40,7 +41,7 @@ def drawn_chain(arm: Arm, random: np.random.Generator) -> Drawn:
             else float(random.uniform(0.7, 3.0)) * (1.0 if kind in ("line", "delta") else 2.0)
         )
         tilt = turning * np.sign((number // 12) % 2 - 0.5) * size + (2.0 if number == still else 0.0)
-        # A single short piece, or a few of them, may be too short to reach a given speed.
+        # Only the first motions of long chains get a speed: a few short motions may be too short to reach it.
         common: dict[str, Any] = {
             "time": str(times[number * 2 // count]) if is_long and number < count - 2 else "[MIN]",
             "tol": 0.05,

@@ -25,9 +25,9 @@ BENT = {
     "INDUSTRIAL6": np.array([0, -5, -20, 10, 40, 0]),
     "TIAGO": np.array([100, 20, 0, 0, 0, 0, 0, 0]),
 }
-"""Offsets from HOME [deg, mm] to the position around which programs are drawn, for arms that can't move
-freely around HOME: there, the wrist of INDUSTRIAL6 is straight, and the shoulder of TIAGO is beside its
-column as long as the column is low.
+"""For arms that can't move freely around HOME: offsets from HOME to the position around which programs are
+drawn [deg, mm]. At HOME, the wrist of INDUSTRIAL6 is straight, and the shoulder of TIAGO is beside its
+column, which is low there.
 """
 
 KINDS = (
@@ -59,7 +59,7 @@ def drawn(arm: Arm, random: np.random.Generator, most: int = 5) -> Drawn:
     reach = np.linalg.norm(point) / 10.0
     lines, said = begun(arm, middle)
     step = len(said)
-    # Limit the distance of way-points. If a joint can turn by more than a revolution, way-points anywhere in
+    # Limit the distance of waypoints. If a joint can turn by more than a revolution, waypoints anywhere in
     # its range would make nearly every spline collide with the arm itself.
     spread = np.where(room > 180.0, 100.0, room)
     can_follow = len(middle) >= 6
@@ -71,8 +71,8 @@ def drawn(arm: Arm, random: np.random.Generator, most: int = 5) -> Drawn:
     poses = 0
 
     def written(shift: Array, rpy: Array) -> str:
-        """Return the numbers of a pose as text for a command. Two of three poses are written indirectly: by
-        the name of a POSE, or as elements of a TABLE.
+        """Return the numbers of a pose as text for a command. Two thirds of the poses are written indirectly:
+        by the name of a POSE, or as elements of a TABLE.
         """
         nonlocal poses
         text = numbers([*shift, *rpy])
@@ -157,7 +157,8 @@ def drawn(arm: Arm, random: np.random.Generator, most: int = 5) -> Drawn:
         step += 1
         if random.random() < 0.15:
             state, index = random.choice(["ON", "OFF"]), f"P{(step + 1) * 10:04d}"
-            # A PULSE has three steps, at rest.
+            # A PULSE has three steps, in all of which the robot is at rest. It is used instead of SET if the
+            # step's number is divisible by 4.
             is_pulse = step % 4 == 0
             lines.append(f"{index} PULSE LAMP [0.2]" if is_pulse else f"{index} SET LAMP {state}")
             step += 3 if is_pulse else 1
@@ -173,14 +174,16 @@ def drawn(arm: Arm, random: np.random.Generator, most: int = 5) -> Drawn:
         option = f" STRETCH {stretch:g}"
         lines.append(f"P{(step + 2) * 10:04d} MOVEJ_TIMED {table.way()}{option}")
         said[step + 1] = Said("timed", list(table.rows), table=table, stretch=stretch)
-    if len(lines) % 3 == 0:  # draws nothing, so that programs of earlier seeds stay the same
+    # Let some programs watch an input. This doesn't depend on a random number, so that the programs of known
+    # seeds stay the same.
+    if len(lines) % 3 == 0:
         lines[:0] = ["INPUT CURTAIN M11", "ON CURTAIN OFF HOLD"]
     return Drawn("\n".join(lines) + "\n", said)
 
 
 def begun(arm: Arm, middle: Array) -> tuple[list[str], dict[int, Said]]:
-    """Return the first lines of a program, which lead to the middle position; and, by step, what they require
-    of the motions in them.
+    """Return the first lines of a program, which move the robot to the middle position; and, by step, the
+    requirements on the motions in these lines.
     """
     lines = ["OUTPUT LAMP M1 OFF", "DEFAULT {TCP} (mm,deg,s) {B}"]
     if (middle == arm.data["positions"]["HOME"]).all():
@@ -189,8 +192,8 @@ def begun(arm: Arm, middle: Array) -> tuple[list[str], dict[int, Said]]:
 
 
 def features(program: Drawn) -> Iterator[tuple[int, tuple[str, ...]]]:
-    """Yield for each motion of a program its step and the names under which it is counted: kind of the
-    motion, motion profile, form of its time, and its options.
+    """Yield for each motion of a program its step and the names under which it is counted: the kind of the
+    motion, its motion profile, what its time is given by (a duration, a speed or a ceiling), and its options.
 
     The BLEND of the last motion isn't counted, because no motion follows.
     """
@@ -207,7 +210,7 @@ def features(program: Drawn) -> Iterator[tuple[int, tuple[str, ...]]]:
             time = "seconds"
         else:
             time = "share" if one.share < 1.0 else "shortest time"
-        # If the program ends with a timetable, the last drawn motion before it is followed by a WAIT.
+        # The last drawn motion flows into none: the program ends after it, or a WAIT and a timetable follow.
         flows = step != (steps[-3] if program.said[steps[-1]].kind == "timed" else steps[-1])
         beside = {"ACC": one.acc < 1.0, "BLEND": one.blend is not None and flows}
         beside |= {"_AVOID": one.avoids, "KEEP": bool(one.rules)}

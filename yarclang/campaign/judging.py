@@ -33,10 +33,10 @@ MOST = 6
 """Largest number of motions that are drawn for a program that isn't a chain."""
 
 CHAINS = 20
-"""One of `CHAINS` programs is a chain of short motions."""
+"""Number of programs of which one is a chain of short motions."""
 
 RULED = 10
-"""One of `RULED` programs has motions that must keep to rules (KEEP) and may avoid obstacles."""
+"""Number of programs of which one has motions that must keep to rules (KEEP) and may avoid obstacles."""
 
 CERTIFICATE = "11"
 """Prefix of the codes of findings of the certificate. A text that the compiler has written must never get
@@ -57,7 +57,7 @@ class Task:
     cell: str | None = None
 
     def robot_of(self, seed: int) -> str:
-        """Return the robot of a program."""
+        """Return the robot for which the program of a seed is drawn."""
         return self.robots[seed % len(self.robots)]
 
 
@@ -71,7 +71,7 @@ class Program:
         text: text of the program.
         refused: code of the first error if the program doesn't compile; empty if it compiles.
         faults: faults of the compiled text, as sentences.
-        worst: the largest used shares of tolerances and limits, by name, as in
+        worst: by name, the largest used fractions of tolerances and limits, as in
             `independent.judging.Judgement`.
         duration: time of all motions [s].
         features: for each motion, the names under which it is counted.
@@ -152,8 +152,8 @@ def _arm(description: str, urdf: str) -> Arm:
 def _judged(
     program: Drawn, seed: int, robot: Robot, arm: Arm, cell: str | None
 ) -> tuple[str, tuple[str, ...], dict[str, float], float]:
-    """Compile and check a program. Return the code of its first error, the faults, the largest used shares of
-    tolerances and limits, and the duration [s].
+    """Compile and check a program. Return the code of its first error, the faults, the largest used fractions
+    of tolerances and limits, and the duration [s].
     """
     source = SourceFile(f"seed-{seed}.yarc", program.text)
     try:
@@ -164,9 +164,9 @@ def _judged(
     faults = [f"{one.code}: {one.message}" for one in errors if one.family == CERTIFICATE]
     if made.value is None:
         if not errors:
-            faults.append("it isn't compiled, and no error says why")
+            faults.append("it isn't compiled, but there is no error")
         return ("" if faults else errors[0].code), tuple(faults), {}, 0.0
-    faults += [f"{one.code}, and yet it is compiled: {one.message}" for one in errors]
+    faults += [f"compiled in spite of {one.code}: {one.message}" for one in errors]
     chosen = {motion.step: motion.waypoints for motion in made.value.plan.motions}
     try:
         found = judge(arm, program.said, made.value.text, chosen, told_by_step(made.diagnostics))

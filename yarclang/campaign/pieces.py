@@ -25,7 +25,9 @@ class Find(NamedTuple):
 
 
 class Worst(NamedTuple):
-    """The largest used share of a tolerance or a limit, and the seed of the first program that reached it."""
+    """The largest used fraction of a tolerance or a limit, and the seed of the first program that reached
+    it.
+    """
 
     share: float
     seed: int
@@ -46,7 +48,7 @@ class Piece:
         motions: number of motions of each kind in the programs that compile.
         microseconds: time of all motions in programs that compile [us]. It is an integer, so that the sum
             doesn't depend on the order.
-        worst: for each tolerance and limit, the largest share of it that any program has used.
+        worst: for each tolerance and limit, the largest fraction of it that any program has used.
         finds: programs that have faults; at most `_MOST_FINDS`.
         found: number of programs that have faults, including those that aren't in `finds`.
         seconds: processor time of the work [s].
@@ -92,8 +94,8 @@ class Piece:
             self.finds.append(Find(seed, robot, faults))
 
     def _count(self, name: str, one: Worst) -> None:
-        """Keep the largest used share of a tolerance or limit; of equal shares, the one with the smallest
-        seed.
+        """Keep the largest used fraction of a tolerance or limit; of equal fractions, the one with the
+        smallest seed.
         """
         known = self.worst.get(name)
         if known is None or (one.share, -one.seed) > (known.share, -known.seed):
@@ -133,7 +135,9 @@ class Piece:
 
 
 def lost_piece(seed: int, robot: str, reason: str) -> Piece:
-    """Return the result of a program that killed the processes that checked it."""
+    """Return the result for a program whose check couldn't be finished: all processes that ran it were
+    killed.
+    """
     return Piece(seed, 1, finds=[Find(seed, robot, (reason,))], found=1)
 
 

@@ -84,14 +84,17 @@ def as_text(whole: Piece, task: Task) -> Iterator[str]:
             if (worst := whole.worst.get(name)) is not None:
                 yield f"  {worst.share:.6f} {words}: seed {worst.seed}"
     if not whole.found:
-        yield "nothing wrong was found"
+        yield "no faults were found"
         return
     yield f"{whole.found:,} program{'' if whole.found == 1 else 's'} with something wrong:"
     for one in whole.finds[:_SHOWN]:
         yield f"  seed {one.seed}, {one.robot}: {one.faults[0]}"
     if whole.found > _SHOWN:
         yield f"  and {whole.found - _SHOWN:,} more: --format json lists up to {len(whole.finds):,}"
-    yield f"`yarc campaign --again {whole.finds[0].seed}`, with the same --robot and --cell, shows one"
+    yield (
+        f"`yarc campaign --again {whole.finds[0].seed}`, with the same --robot and --cell, shows the "
+        "first one"
+    )
 
 
 def program_text(one: Program) -> Iterator[str]:

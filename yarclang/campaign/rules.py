@@ -25,7 +25,7 @@ def drawn_ruled(arm: Arm, random: np.random.Generator, most: int = 4) -> Drawn:
     reach = float(np.linalg.norm(point)) / 10.0
     lines, said = begun(arm, middle)
     step = len(said)
-    # {UP} is upright in the middle position
+    # {UP} is a frame on the tool whose z axis is vertical in the middle position.
     upright = np.round(turns[0].inv().as_euler("xyz", degrees=True), 3)
     lines.append(f"FRAME {{UP}} 0 0 0 {numbers(upright)} {{TCP}}")
     angle = float(random.choice([8.0, 20.0, 40.0]))
@@ -42,7 +42,8 @@ def drawn_ruled(arm: Arm, random: np.random.Generator, most: int = 4) -> Drawn:
         if number == outside:
             lines += [heads[one] for one in inside]
         shift = np.round(point + random.uniform(-1, 1, 3) * reach, 3)
-        # mostly a turn about the vertical, tilted by less than is allowed
+        # The orientation is that of the middle position, turned about the vertical and tilted by less than
+        # the rule allows.
         tilt = Rotation.from_rotvec(np.radians(angle) * 0.7 * _direction(random))
         turn = tilt * Rotation.from_euler("z", random.uniform(-40, 40), degrees=True) * turns[0]
         rpy = np.round(turn.as_euler("xyz", degrees=True), 3)

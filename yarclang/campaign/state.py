@@ -76,7 +76,7 @@ class State:
         """Append the result of a chunk to the file.
 
         Raises:
-            StateError: the file can't be written. The results that were stored before are still there.
+            StateError: the file can't be written. The results that were stored before are kept.
         """
         self.pieces.append(piece)
         if self._file is None:
@@ -86,21 +86,24 @@ class State:
         except OSError as error:
             kept = sum(one.count for one in self.pieces[:-1])
             raise StateError(
-                f"{self._path} can't be written: {reason_of(error)}; the {kept:,} programs before are kept"
+                f"{self._path} can't be written: {reason_of(error)}; the results of the {kept:,} programs "
+                "before are saved"
             ) from None
 
     def _read(self, file: BinaryIO, head: dict[str, Any]) -> None:
         if os.fstat(file.fileno()).st_size > _LARGEST:
-            raise StateError(f"{self._path} is larger than {_LARGEST:,} bytes: it is no state of a campaign")
+            raise StateError(
+                f"{self._path} has more than {_LARGEST:,} bytes, so it isn't the state of a campaign"
+            )
         lines = file.read().split(b"\n")
         good = 0
         for number, line in enumerate(lines[:-1], 1):
             content = self._checked(line)
             if content is None:
                 if number == len(lines) - 1 and number > 1:
-                    break  # written by half: pages may reach the disk in any order
+                    break  # a half-written line: pages may reach the disk in any order
                 raise StateError(
-                    f"{self._path}, line {number}, isn't as a campaign wrote it: delete the file, or name "
+                    f"{self._path}, line {number}, was changed or damaged: delete the file, or name "
                     "another one by --state"
                 )
             if number == 1:
@@ -111,7 +114,7 @@ class State:
         if good == 0:
             # The file is empty, or contains only the beginning of a first line.
             if not self._line(head).startswith(lines[-1]):
-                raise StateError(f"{self._path} is no state of a campaign: name another file by --state")
+                raise StateError(f"{self._path} isn't the state of a campaign: name another file by --state")
             file.truncate(0)
             file.seek(0)
             self._append(file, head)
@@ -133,11 +136,11 @@ class State:
         try:
             self.pieces.append(piece_of(content))
         except (KeyError, TypeError, ValueError):
-            raise StateError(f"{self._path}, line {number}, is no piece of a campaign") from None
+            raise StateError(f"{self._path}, line {number}, isn't a part of a campaign") from None
 
     def _compare(self, found: Any, head: dict[str, Any]) -> None:
         if not isinstance(found, dict):
-            raise StateError(f"{self._path} is no state of a campaign: name another file by --state")
+            raise StateError(f"{self._path} isn't the state of a campaign: name another file by --state")
         for name, value in head.items():
             if found.get(name) != value:
                 raise StateError(
@@ -171,7 +174,7 @@ class State:
 def _opened(path: Path) -> BinaryIO:
     """Open a file for reading and writing, and lock it."""
     if path.exists() and not path.is_file():
-        raise StateError(f"{path} is no file: name another one by --state")
+        raise StateError(f"{path} isn't a regular file: name another one by --state")
     # Unbuffered, so that write errors occur at the write itself.
     file = os.fdopen(
         os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o644), "r+b", buffering=0
@@ -185,7 +188,7 @@ def _opened(path: Path) -> BinaryIO:
     except OSError:
         file.close()
         raise StateError(
-            f"another process works at {path}: wait for it, or name another file by --state"
+            f"another process is using {path}: wait for it, or name another file by --state"
         ) from None
     return file
 
@@ -213,7 +216,7 @@ def missing(pieces: list[Piece], first: int, count: int, size: int) -> list[tupl
     for piece in [*sorted(pieces, key=lambda one: one.first), Piece(end, 0)]:
         if piece.first < at and piece.count:
             raise StateError(
-                f"the program of seed {piece.first} is there twice: name another file by --state"
+                f"the program of seed {piece.first} is recorded twice: name another file by --state"
             )
         stop = min(piece.first, end)
         chunks += [(begin, min(size, stop - begin)) for begin in range(at, stop, size)]

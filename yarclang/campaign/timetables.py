@@ -8,7 +8,7 @@ from yarclang.independent.arm import Arm, Array
 from yarclang.independent.timetable import Timetable
 
 KINDS = ("positions", "velocities", "accelerations")
-"""What a timetable's rows contain in addition to the times: only positions, also velocities, or also
+"""Contents of a timetable's rows besides the times: positions only, positions and velocities, or also
 accelerations.
 """
 
@@ -32,7 +32,7 @@ def drawn(arm: Arm, random: np.random.Generator, kind: str, start: Array | None 
     else:
         shares, rates, bends = _ramped(random)
     peaks = np.abs(way) * np.abs(rates).max(), np.abs(way) * np.abs(bends).max()
-    # Scale the duration so that the most loaded joint uses a random share of its limits.
+    # Scale the duration so that the most loaded joint reaches 0.3 to 1.5 times one of its limits.
     duration = max((peaks[0] / arm.velocity).max(), np.sqrt((peaks[1] / arm.acceleration).max()))
     duration /= random.uniform(0.3, 1.5)
     count = max(3, round(duration / random.uniform(0.05, 0.2)))
@@ -58,7 +58,7 @@ def _swinging(random: np.random.Generator) -> tuple[Array, Array, Array]:
     """
     u = np.linspace(0.0, 1.0, 20_001)
     turns = random.integers(1, 4)
-    # The window makes the share and its first two derivatives vanish at both ends.
+    # The window makes the progress and its first two derivatives vanish at both ends.
     window = u**3 * (1 - u) ** 3 * 64.0
     share = window * np.cos(np.pi * turns * u)
     first = np.gradient(share, u, edge_order=2)

@@ -1,6 +1,4 @@
-"""Pairs of bodies that a cell allows to touch (`[[allow]]`), and the names by which programs may name
-bodies.
-"""
+"""Read the pairs of bodies that a cell allows to touch (`[[allow]]`), and list the names of bodies."""
 
 from __future__ import annotations
 
@@ -28,9 +26,7 @@ def robot_bodies(robot: Robot) -> tuple[str, ...]:
 
 
 def body_names(robot: Robot, cell: Cell | None) -> Counter[str]:
-    """Return the names in upper case of all bodies in the cell and of the robot, with the number of bodies
-    that have each name.
-    """
+    """Count the bodies of the cell and the robot by their names in upper case."""
     names = [one.upper() for one in robot_bodies(robot)]
     if cell is not None:
         names += [one.name for one in cell.obstacles] + [one.body.name for one in cell.parts]
@@ -38,13 +34,13 @@ def body_names(robot: Robot, cell: Cell | None) -> Counter[str]:
 
 
 def repeated_parts(cell: Cell | None) -> frozenset[str]:
-    """Return the names of the workpieces that come several times, one after the other."""
+    """Return the names of workpieces with a count above 1. Such workpieces appear one after the other."""
     return frozenset(() if cell is None else (one.body.name for one in cell.parts if one.count > 1))
 
 
 def pair_fault(pair: tuple[str, str], names: Counter[str], repeated: Iterable[str]) -> str:
-    """Return why a pair of existing body names isn't a pair that may be allowed to touch, as the start of a
-    sentence; empty if it may.
+    """Return the reason why two bodies can't be allowed to touch, as the start of a sentence; empty if they
+    can. Bodies of both names exist.
 
     Args:
         pair: two names in upper case.
@@ -53,7 +49,7 @@ def pair_fault(pair: tuple[str, str], names: Counter[str], repeated: Iterable[st
     """
     first, second = pair
     if first == second and first not in repeated:
-        return f"{first} is one body, and can't touch itself"
+        return f"{first} is given twice: a body can't touch itself"
     for name in pair:
         if names[name] > 1:
             return f"{name} is the name of {names[name]} bodies"
@@ -61,7 +57,7 @@ def pair_fault(pair: tuple[str, str], names: Counter[str], repeated: Iterable[st
 
 
 def read_allowances(table: CellTable, around: Surroundings) -> tuple[CellAllowance, ...]:
-    """Read the `[[allow]]` entries of a cell.toml: return the correct ones, and report the others."""
+    """Read the `[[allow]]` entries of a cell.toml. Return the correct entries, and report the wrong ones."""
     robot = around.robot
     own = () if robot is None else robot_bodies(robot)
     listed = [one.name.upper() for one in (*table.obstacles, *table.parts) if one.name is not None]
@@ -79,28 +75,26 @@ def _read(
     file = around.measures.file
     frames = [_frame(name, (*path, key), around) for key, name in _frames(entry)]
     if not frames and not any((*path, key) in around.dropped for key in ("leads_to", "leaves")):
-        message = "The entry says nowhere on which motions its bodies may touch."
+        message = "The entry doesn't name the motions on which its bodies may touch."
         file.say(
             "Y1379", path, message, 'Write leads_to = "STACK" or leaves = "STACK", a frame of this file.'
         )
     if entry.bodies is None:
         return
     if len(entry.bodies) != 2:
-        message = (
-            f"bodies has {len(entry.bodies)} names; it takes the names of the two bodies that may touch."
-        )
+        message = f"bodies has {len(entry.bodies)} names; write the two bodies that may touch."
         file.say("Y1308", (*path, "bodies"), message, 'For example bodies = ["GRIPPER", "BOX"].')
         return
     first, second = sorted(name.upper() for name in entry.bodies)
     unknown = [at for at, name in enumerate(entry.bodies) if name.upper() not in names]
-    # if the robot isn't known, an unknown name may be that of a link or tool
+    # Without a robot, unknown names aren't reported: they may be names of links or tools.
     for at in unknown if around.robot is not None else ():
         remedy, subject = did_you_mean(entry.bodies[at].upper(), names)
-        message = f"{entry.bodies[at][:40]} is no body of the cell or of the robot."
+        message = f"{entry.bodies[at][:40]} isn't a body of the cell or of the robot."
         file.say("Y1377", (*path, "bodies", at), message, remedy, subject)
     fault = "" if unknown else pair_fault((first, second), names, repeated)
     if fault:
-        file.say("Y1308", (*path, "bodies"), f"{fault}.", "Name two bodies, each by a name of its own.")
+        file.say("Y1308", (*path, "bodies"), f"{fault}.", "Give each body a name of its own.")
     if not frames or None in frames or unknown or fault:
         return
     line = file.places.of_key(path).line
@@ -110,17 +104,19 @@ def _read(
 
 
 def _frames(entry: AllowTable) -> tuple[tuple[str, str], ...]:
-    """Return the keys of an entry that name frames, with the names."""
+    """Return the frame keys that an entry has (`leads_to`, `leaves`), each with the name of its frame."""
     keys = ("leads_to", entry.leads_to), ("leaves", entry.leaves)
     return tuple((key, name) for key, name in keys if name is not None)
 
 
 def _frame(name: str, path: Path, around: Surroundings) -> str | None:
-    """Return a frame that the file declares; None for a wrong name, which is reported."""
+    """Return the name of a frame that the file declares, in upper case. Report a wrong name, and return None
+    for it.
+    """
     file = around.measures.file
     frame = known_frame(name, path, {one: one for one in around.names}, file)
     if frame in ROOTS:
-        message = f"{name[:40]} is a frame of every robot: nearly all motions lead there."
+        message = f"{name[:40]} is a frame of every robot: nearly all motions end there."
         file.say("Y1379", path, message, "Name a frame of this file, at the place where the bodies touch.")
         return None
     return frame

@@ -1,5 +1,5 @@
-"""Read the obstacles of a cell. Zones use these functions too: for the keys of each shape, and for shapes and
-poses in SI units.
+"""Read the obstacles of a cell: check the keys of each shape, and convert shapes and poses to SI units. Zones
+are read with the same functions.
 """
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ class Surroundings:
     Attributes:
         measures: units of the file, and its findings.
         frames: the resolved frames.
-        names: the names of all frames that the file declares, including wrong ones.
+        names: the names of all frames that the file declares, including frames with mistakes.
         folder: folder of the file.
-        robot: the robot; None if only the file is checked. Joint windows are then checked only as far as
-            possible.
+        robot: the robot; None if the file is checked without a robot. Joint windows are then checked only as
+            far as possible.
         dropped: places of keys that couldn't be read.
-        tools: names of the tools that can be changed according to the file.
+        tools: names of the tools that the file declares as changeable.
     """
 
     measures: Measures
@@ -48,7 +48,7 @@ class Surroundings:
 
 
 def read_obstacle(table: BodyTable, path: Path, around: Surroundings) -> Obstacle | None:
-    """Read an obstacle of a cell.toml; return None if it has mistakes, which are reported."""
+    """Read an obstacle of a cell.toml. Report mistakes, and return None if there are any."""
     measures = around.measures
     units = measures.of_entry(table.units, path)
     needed = SIZES[table.shape] if table.shape else ()
@@ -75,12 +75,12 @@ def belong(
     optional: Sequence[str] = (),
 ) -> bool:
     """Return True if a TOML table has the keys that its shape or rule needs, and no keys of another shape or
-    rule; otherwise report these keys.
+    rule. Otherwise report the missing keys and the keys that don't belong there.
 
     Args:
         table: the table.
         path: path of the table in the file.
-        what: the shape, rule or kind.
+        what: the table's shape, rule or kind of sensor.
         needed: the keys that this shape, rule or kind needs.
         every: the keys of all shapes, rules or kinds.
         around: findings are added to its file.
@@ -113,7 +113,7 @@ def _a(what: str) -> str:
 def mounted(
     table: BodyTable | ZoneTable | SensorTable | RackTable, path: Path, units: Units, around: Surroundings
 ) -> Mount | None:
-    """Return the pose of a body's origin; None for a wrong entry, which is reported."""
+    """Return the pose of a body's origin. Report a wrong entry, and return None for it."""
     pose = around.measures.transform(table, path, units)
     if table.frame is None:
         return None
@@ -127,8 +127,8 @@ def mounted(
 
 
 def sized_shape(table: BodyTable, path: Path, units: Units, around: Surroundings) -> Shape | None:
-    """Return the shape of an obstacle [m] whose required keys are present; None for a wrong entry, which
-    is reported.
+    """Return the shape [m] of an obstacle whose required keys are present. Report a wrong entry, and return
+    None for it.
     """
     if table.shape == "mesh":
         place = (*path, "file")

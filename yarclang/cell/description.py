@@ -1,4 +1,4 @@
-"""Read a cell.toml: convert it to a `Cell` for a robot, or to findings at lines of the file.
+"""Read a cell.toml: convert it to a `Cell` for a robot, and report its mistakes as findings.
 
 pydantic is imported only when it is first used.
 """
@@ -53,7 +53,7 @@ def load_cell(path: FilePath, names: Names) -> Result[Cell]:
     Returns:
         As for `read_cell`. A missing file is a finding without a place.
     """
-    source = read_text(path, "Name a cell.toml, seen from the folder of the program.")
+    source = read_text(path, "Write the path of a cell.toml, relative to the folder of the program.")
     if isinstance(source, Diagnostic):
         return Result(None, (source,))
     return read_cell(source, path.parent, names)
@@ -69,8 +69,8 @@ def read_cell(source: SourceFile, folder: FilePath, names: Names) -> Result[Cell
             checked.
 
     Returns:
-        A cell of the correct entries, with findings about the others; `places` includes the names of wrong
-        entries. None if the text isn't TOML. Also None without a robot, since joint values need one.
+        A cell of the correct entries, with findings about the wrong ones; `Cell.places` includes the names of
+        wrong entries. The cell is None if the text isn't TOML, and also if no robot is given.
     """
     data = parse_toml(source)
     if isinstance(data, Diagnostic):
@@ -174,7 +174,9 @@ def _output(variable: str, entry: OutputTable, path: Path, around: Surroundings)
 
 
 def _variable(text: str | None, path: Path, file: TomlFile, robot: Robot | None) -> str | None:
-    """Return the controller's variable of an input or output; None for a wrong name, which is reported."""
+    """Return the controller's variable of an input or output. Report a text that names no variable, and
+    return None for it.
+    """
     if text is None:
         return None
     variable = robot.controller.signal(text.upper()) if robot else known_signal(text.upper())
@@ -197,8 +199,9 @@ _WHAT = {
 
 
 def _check_names(file: TomlFile, draft: Draft[CellTable], names: Names) -> None:
-    """Check that the names in a cell.toml follow the language's rules, and that those of frames, of bodies,
-    and for use in programs are unique.
+    """Check that the names in a cell.toml follow the language's rules and are unique in their group. The
+    groups are the frames, the bodies (with zones and start zones), and the names of joint positions and
+    signals.
     """
     from yarclang.cell.frames import FROM_THE_ROBOT
 
@@ -229,9 +232,7 @@ def _check_names(file: TomlFile, draft: Draft[CellTable], names: Names) -> None:
             file.say("Y1310", path, message, "Choose another name.", at_key=True)
         elif (space, upper) in first:
             other = first[space, upper]
-            message = (
-                f"{name} is there already, as the {other}: a name is one thing, and is read in any case."
-            )
+            message = f"{name} is already used for the {other}; upper and lower case make no difference."
             file.say("Y1311", path, message, "Give one of the two another name.", at_key=at_key)
         first.setdefault((space, upper), f"{what} {name} in line {file.places.of_key(path).line}")
 

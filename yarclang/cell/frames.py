@@ -22,18 +22,18 @@ ROOTS: Mapping[str, Mount] = {
     "B": Mount(constant(np.eye(4)), on_flange=False, told=()),
     "FLANGE": Mount(constant(np.eye(4)), on_flange=True, told=()),
 }
-"""The roots of a cell's frames, which every robot has."""
+"""The frames that every robot has. The chain of parents of each frame in a cell ends at one of them."""
 
 
 FROM_THE_ROBOT = ("B", "FLANGE", "TCP")
-"""Frames that can't be declared, since they come from the robot."""
+"""Names of frames that a cell can't declare, since they are frames of the robot."""
 
 
 def resolve_frames(tables: Mapping[str, FrameTable], measures: Measures) -> dict[str, CellFrame]:
     """Return the frames of a cell by name in upper case, parents first; report frames whose chain of parents
     doesn't end at {B} or {FLANGE}.
 
-    Frames with mistakes, and the frames that are given in them, are left out.
+    Frames with mistakes, and frames with such a frame as parent, are left out.
     """
     upper = {name.upper(): name for name in reversed([*tables]) if name.upper() not in FROM_THE_ROBOT}
     parents: dict[str, str] = {}
@@ -43,16 +43,16 @@ def resolve_frames(tables: Mapping[str, FrameTable], measures: Measures) -> dict
         units = measures.of_entry(table.units, path)
         pose = measures.transform(table, path, units)
         if table.parent is None or upper.get(name.upper()) != name:
-            continue  # reported already: the parent is missing, or the name is repeated or the robot's
+            continue  # already reported: no parent, a repeated name, or a name of the robot's frames
         parent = known_frame(table.parent, (*path, "parent"), upper, measures.file)
         if parent is not None:
             parents[name.upper()] = parent
             if pose is not None:
                 local[name.upper()] = pose, measures.told(table, units)
     for circle in circles(parents):
-        message = f"The frames {', '.join(circle)} hang on each other in a circle."
+        message = f"The frames {', '.join(circle)} are each other's parents in a circle."
         if len(circle) == 1:
-            message = f"The frame {circle[0]} hangs on itself."
+            message = f"The frame {circle[0]} is its own parent."
         remedy = 'Give one of them parent = "B", or "FLANGE".'
         measures.file.say("Y1330", ("frames", upper[circle[0]], "parent"), message, remedy)
     placed: dict[str, CellFrame] = {}
@@ -82,7 +82,7 @@ def known_frame(name: str, path: Path, frames: Mapping[str, object], file: TomlF
     remedy, subject = did_you_mean(wanted, {*ROOTS, *frames} - {str(path[1]).upper()})
     if wanted == "TCP":
         remedy, subject = (
-            "{TCP} is another one for each robot: name FLANGE, or a frame of this file.",
+            "{TCP} differs from robot to robot: name FLANGE, or a frame of this file.",
             Name(wanted),
         )
     message = f"{spoken(path)} is {name[:40]}, which isn't a frame of this file."

@@ -18,14 +18,19 @@ Vector = tuple[float, float, float]
 KeepKind = Literal["UPRIGHT", "ABOVE", "FACING", "SEEN"]
 
 LEAST_TILT, MOST_TILT = np.radians(0.1), np.radians(175.0)
-"""Smallest and largest angle of a rule [rad]. With less, no executed motion could be proved."""
+"""Smallest and largest angle that a path constraint may set [rad]. With a smaller angle, no executed motion
+could be proved.
+"""
 LEAST_SIGHT = 0.001
-"""Least distance between the apex of a cone and the point in it [m]: nearer, the direction is undefined."""
+"""Least distance between the apex of a cone and the point in it [m]. At a smaller distance, the direction
+from the apex to the point isn't well defined.
+"""
 
 
 @frozen
 class Tilt:
-    """The orientations of the flange at which an axis on it is near a direction in space.
+    """The orientations of the flange at which the angle between an axis fixed to the flange and a fixed
+    direction is at most `limit`.
 
     Attributes:
         own: the axis in {FLANGE}, of length 1.
@@ -47,7 +52,7 @@ class Tilt:
 
 @frozen
 class Height:
-    """The poses of the flange at which a point on it is above a plane.
+    """The poses of the flange at which a point fixed to the flange is above a plane.
 
     Attributes:
         own: the point in {FLANGE} [m].
@@ -77,9 +82,10 @@ class Sight:
     Either the cone moves with the flange and the point is fixed in {B}, or the other way round.
 
     Attributes:
-        own: what moves with the flange, the apex or the point, in {FLANGE} [m].
-        spot: what is fixed, the point or the apex, in {B} [m].
-        axis: the axis of the cone, of length 1: in {FLANGE} if the cone is carried, otherwise in {B}.
+        own: the position in {FLANGE} of what moves with the flange: the apex or the point [m].
+        spot: the position in {B} of what is fixed: the point or the apex [m].
+        axis: the direction of the cone's axis, of length 1: in {FLANGE} if the cone moves with the flange,
+            otherwise in {B}.
         is_carried: True if the cone moves with the flange.
         limit: largest angle between the axis and the direction from the apex to the point [rad].
         near: least distance of the point from the apex [m], at least `LEAST_SIGHT`.
@@ -103,12 +109,12 @@ class Sight:
 
 
 Pointed = Tilt | Sight
-"""Regions of directions: they have no place in the cell."""
+"""Regions of flange poses that aren't volumes in the cell."""
 
 
 class Link(Protocol):
-    """A frame's declaration: its pose in a parent frame, which is nearer to {B} or {FLANGE}. The interface of
-    `yarclang.hir.FrameLink`.
+    """A frame's declaration: a name, and the parent's declaration. It is the interface of
+    `yarclang.hir.FrameLink` that this module needs.
     """
 
     @property
@@ -121,24 +127,22 @@ class Link(Protocol):
 class Keep:
     """A path constraint (KEEP rule) for a frame that the robot carries.
 
-    Each kind relates the carried frame to a fixed frame. UPRIGHT: the z axis of the carried frame stays
-    within
-    an angle of the z axis of the fixed frame. ABOVE: the origin of the carried frame stays at least a
-    distance above the x-y plane of the fixed frame. FACING: the origin of the fixed frame stays in the cone
-    around the z
-    axis of the carried frame. SEEN: the origin of the carried frame stays in the cone around the z axis of
-    the fixed frame.
+    Each kind of rule relates the carried frame to a fixed frame. UPRIGHT: the z axis of the carried frame
+    stays within an angle of the z axis of the fixed frame. ABOVE: the origin of the carried frame stays at
+    least a distance above the x-y plane of the fixed frame. FACING: the origin of the fixed frame stays in
+    the cone around the z axis of the carried frame. SEEN: the origin of the carried frame stays in the cone
+    around the z axis of the fixed frame.
 
     Attributes:
         kind: the kind of the rule.
         frame: name of the carried frame, without braces.
         of: name of the fixed frame.
         region: the poses of the flange at which the rule is satisfied.
-        carried: the declarations of the carried frame, from which the judge (the independent checker of a
-            controller text) computes `region` again.
-        standing: the declarations of the fixed frame.
-        of_cell: True if the rule is in a cell.toml and so applies to all motions: its frames are those of
-            cell or robot.
+        carried: the declaration of the carried frame. From `carried` and `standing`, the judge (the
+            independent checker of a controller text) computes `region` again.
+        standing: the declaration of the fixed frame.
+        of_cell: True if the rule is in a cell.toml. It then applies to all motions, and its frames are frames
+            of the cell or the robot.
     """
 
     kind: KeepKind
@@ -183,7 +187,7 @@ class Keep:
 
     @property
     def amount(self) -> str:
-        """The limit with its unit, as a program writes it: 20 200 600 (deg,mm)."""
+        """The rule's limits with their units, as in a program: 20 200 600 (deg,mm)."""
         region = self.region
         if isinstance(region, Height):
             return f"{region.limit / MM:.10g} (mm)"
@@ -195,7 +199,7 @@ class Keep:
 
     @property
     def words(self) -> str:
-        """The rule as a program writes it: {CUP} UPRIGHT 10 (deg) {B}."""
+        """The rule as in a program: {CUP} UPRIGHT 10 (deg) {B}."""
         return f"{{{self.frame}}} {self.kind} {self.amount} {{{self.of}}}"
 
     @property
@@ -216,7 +220,7 @@ def region_of(
 
     Args:
         kind: kind of the rule.
-        carried: flange_from_frame (4, 4) [m] of the frame on the robot.
+        carried: flange_from_frame (4, 4) [m] of the carried frame.
         standing: base_from_frame (4, 4) [m] of the fixed frame.
         limit: largest angle [rad]; for ABOVE, least distance [m].
         near: for FACING and SEEN, least distance [m].

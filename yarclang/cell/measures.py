@@ -25,8 +25,8 @@ class Measures:
     common: Mapping[Kind, Unit] = field(default_factory=dict)
     """The units at the top of the file."""
     doubtful: bool = False
-    """True if the units at the top couldn't be read. A missing unit is then not reported as another
-    mistake.
+    """True if the units at the top of the file couldn't be read. This mistake was reported already, so
+    missing units aren't reported.
     """
 
     def read_common(self, text: str | None) -> None:
@@ -35,15 +35,15 @@ class Measures:
         self.common, self.doubtful = found or {}, found is None
 
     def of_entry(self, text: str | None, path: Path) -> Mapping[Kind, Unit] | None:
-        """Return the units that apply to the TOML table at `path`: its own, and for other kinds those of
-        the file. None if the table's own units can't be read, which is reported.
+        """Return the units that apply to the TOML table at `path`. For kinds of units that the table doesn't
+        state, these are the units of the file. If the table's units can't be read, report it and return None.
         """
         own = self._parsed(text, (*path, "units"))
         return None if own is None else {**self.common, **own}
 
     def factor(self, units: Mapping[Kind, Unit] | None, kind: Kind, path: Path) -> float | None:
-        """Return the factor that converts the value at `path` to SI; None if the file gives no unit for
-        it, which is reported.
+        """Return the factor that converts the value at `path` to SI. If the file states no unit for this
+        value, report it and return None.
         """
         if units is None:
             return None
@@ -60,12 +60,12 @@ class Measures:
         return None
 
     def transform(self, placed: Placed, path: Path, units: Mapping[Kind, Unit] | None) -> Array | None:
-        """Return the pose of an entry in its frame, as a transform (4, 4) [m]; None for a wrong entry,
-        which is reported.
+        """Return the pose of an entry in its frame, as a transform (4, 4) [m]. Report a wrong entry, and
+        return None for it.
         """
         made, sound = np.eye(4), True
         if placed.rpy is not None and placed.quat is not None:
-            message = f"{table_name(path)} has rpy and quat: two orientations."
+            message = f"{table_name(path)} has two orientations: rpy and quat."
             self.file.say("Y1370", (*path, "quat"), message, "Remove one of them.", at_key=True)
             return None
         for key, size in (("xyz", 3), ("rpy", 3), ("quat", 4)):
@@ -93,8 +93,8 @@ class Measures:
         return constant(made) if sound else None
 
     def told(self, placed: Placed, units: Mapping[Kind, Unit] | None) -> Array:
-        """Return the pose of an entry without mistakes as numbers in SI units, in the form in which it is
-        written: x y z and roll pitch yaw (6,), or x y z and qx qy qz qw (7,).
+        """Return the pose of a correct entry as numbers in SI units, in the form in which it is written: x y
+        z and roll pitch yaw (6,), or x y z and qx qy qz qw (7,).
         """
         known = units or {}
         length, angle = (known[kind].factor if kind in known else 1.0 for kind in ("length", "angle"))
@@ -104,7 +104,9 @@ class Measures:
         return constant(np.array([*origin, *(value * angle for value in placed.rpy or (0.0, 0.0, 0.0))]))
 
     def sized(self, values: Sequence[object] | None, size: int, path: Path) -> bool:
-        """Return True if a list has `size` entries or is missing; otherwise report it."""
+        """Return True if a list has `size` entries or is missing. Otherwise report the wrong number of
+        entries.
+        """
         if values is None or len(values) == size:
             return True
         message = f"{spoken(path)} must have {size} values, but has {len(values)}."
@@ -112,7 +114,7 @@ class Measures:
         return False
 
     def _parsed(self, text: str | None, path: Path) -> dict[Kind, Unit] | None:
-        """Return the units of a text such as "mm,deg"; None for a wrong text, which is reported."""
+        """Return the units in a text such as "mm,deg". Report a wrong text, and return None for it."""
         found: dict[Kind, Unit] = {}
         for name in (text or "").split(",") if text is not None else ():
             unit = UNITS.get(name.strip().lower())
@@ -126,10 +128,10 @@ class Measures:
                 return None
             if unit.kind in found:
                 message = f"{found[unit.kind].name} and {unit.name} are both units of {unit.kind}."
-                self.file.say("Y0306", path, message, "Leave one of them.")
+                self.file.say("Y0306", path, message, "Remove one of them.")
                 return None
             found[unit.kind] = unit
         return found
 
 
-_SHAPES = {2: "[least, largest]", 3: "three numbers, [0, 0, 0]", 4: "four numbers, [0, 0, 0, 1]"}
+_SHAPES = {2: "[least, largest]", 3: "three numbers, such as [100, 50, 20]", 4: "four numbers, [0, 0, 0, 1]"}

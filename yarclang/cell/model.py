@@ -23,20 +23,21 @@ Array = NDArray[np.float64]
 Rule = Literal["allowed", "forbidden", "slow", "posture"]
 
 PARTS = ("tool", "tcp", "elbow", "arm")
-"""Names of what a zone may watch, besides the names of links."""
+"""Words that name what a zone watches. A zone may also name links of the robot."""
 
 
 @frozen(eq=False)
 class Mount:
-    """Where an object is fixed: `transform` (4, 4) [m] is base_from_object, or flange_from_object if
-    `on_flange`.
+    """The place where an object is fixed: `transform` (4, 4) [m] is base_from_object, or flange_from_object
+    if `on_flange`.
     """
 
     transform: Array
     on_flange: bool
     told: tuple[Array, ...] | None = field(default=None, compare=False)
-    """The poses whose product is `transform`, from the root on, each as it was written, in SI: x y z and roll
-    pitch yaw (6,), or x y z and qx qy qz qw (7,). None for a place that was computed.
+    """The poses whose product is `transform`, in order from the root. Each pose has the numbers of the file,
+    converted to SI: x y z and roll pitch yaw (6,), or x y z and qx qy qz qw (7,). None if `transform` was
+    computed in another way.
     """
 
 
@@ -55,19 +56,21 @@ class CellFrame:
 
     @property
     def told(self) -> Array | None:
-        """The numbers of `parent_from_frame` as they were written; see `Mount.told`."""
+        """The numbers of `parent_from_frame` in the file, converted to SI, in the form of `Mount.told`; None
+        if the place was computed.
+        """
         return self.mount.told[-1] if self.mount.told else None
 
 
 @frozen(eq=False)
 class Grip:
-    """The gripper that an output closes and opens.
+    """The gripper that an output closes and opens, or the lock of a tool changer.
 
     Attributes:
         value: value of the output that closes the gripper; any other value opens it.
         flange_from_grip: (4, 4) pose of the gripper's frame [m].
-        reach: a gripper that closes takes the workpiece nearest to this frame's origin if the distance is at
-            most this [m].
+        reach: largest distance of a workpiece from the origin of the gripper's frame at which the closing
+            gripper takes it [m]. It takes the nearest workpiece.
         frame: name of the gripper's frame.
         tool: the tool to which the gripper belongs, if that tool can be changed.
         changes: True for the lock of a tool changer, which holds tools instead of workpieces.
@@ -126,8 +129,7 @@ class Obstacle:
         margin: distance that other bodies must keep from it [m].
         is_part: True for a workpiece that grippers take.
         mass: mass of a workpiece [kg]; None if it isn't known.
-        is_sure: False for a workpiece that may be at this place or at another one, depending on decisions at
-            run time.
+        is_sure: False for a workpiece that may also be at another place, depending on decisions at run time.
         of_tool: True for a body of a tool that can be changed.
         weight: distribution of the mass, if it doesn't follow from the shape.
     """
@@ -145,13 +147,14 @@ class Obstacle:
 
 @frozen(eq=False)
 class RackTool:
-    """A tool of the robot that is taken from its place in a rack, and put back there.
+    """A tool that the robot takes from a place in a rack, and puts back there.
 
     Attributes:
         place: base_from_flange (4, 4) [m] where the robot takes the tool and puts it back.
         flange_from_body: (4, 4) pose of the tool's first body on the flange [m].
         more: the tool's other bodies: body_from_shape (4, 4) [m], and the shape.
-        frames: the frames on the flange that exist only while the tool is there, in alphabetical order.
+        frames: the names of the frames on the flange that exist only while the tool is on the flange, in
+            alphabetical order.
         lock: the variable of the changer's output.
         grippers: the variables of the outputs of the grippers that belong to the tool.
         reach: largest distance of the flange from `place` when the changer locks or unlocks [m].
@@ -174,11 +177,12 @@ class RackTool:
 
 @frozen(eq=False)
 class Part:
-    """A kind of workpiece: a body that grippers take and put down. `body` is at its initial place.
+    """A kind of workpiece: a body that grippers take and put down. `body` is the workpiece at its initial
+    place.
 
-    `count` workpieces of the kind come one after the other: the next one is at the initial place as soon as
-    the previous one has been taken away. `frame` is the name of the frame in which the place is given. `rack`
-    is set for a tool that a tool changer takes; `body` is then the first body of the tool.
+    `count` workpieces of the kind come one after the other: the next workpiece is at the initial place as
+    soon as the previous workpiece has been taken away. `frame` is the name of the frame in which the place is
+    given. `rack` is set for a tool that a tool changer takes; `body` is then the first body of the tool.
     """
 
     body: Obstacle
@@ -189,15 +193,15 @@ class Part:
 
 @frozen
 class Touch:
-    """A workpiece and another body that are allowed to come nearer to each other than their margins, mostly
-    because the workpiece is being taken or put down.
+    """A workpiece and another body that are allowed to come nearer to each other than their margins, usually
+    because a gripper takes the workpiece or puts it down.
 
     Attributes:
         part: name of the workpiece.
         other: name of the other body. None means all bodies on the flange that aren't workpieces, such as the
-            gripper. The name of the workpiece itself means its other possible places.
-        least: smallest allowed distance [m]. It is negative if the bodies may overlap to some depth, and
-            minus infinity if they may overlap to any depth.
+            gripper. The name of the workpiece itself means this workpiece at its other possible places.
+        least: smallest allowed distance [m]. It is negative if the bodies may overlap up to a certain depth,
+            and minus infinity if any overlap is allowed.
     """
 
     part: str
@@ -232,8 +236,8 @@ class Item:
     """A workpiece or tool at its current place or, if `is_sure` is False, at a possible place.
 
     `pose` has the bytes of a transform (4, 4) [m]: base_from_part, or flange_from_part if a gripper holds the
-    workpiece. `gripper` is then the variable of the gripper's output. `number` counts the workpieces of a
-    kind from 1.
+    workpiece. `gripper` is then the variable of the gripper's output. `number` is the number of the workpiece
+    among those of its kind, from 1.
     """
 
     part: Part
@@ -264,8 +268,8 @@ class Item:
 
 @frozen
 class Expected:
-    """A workpiece that is still to come: number `number` of its kind. It appears once the previous workpiece,
-    which is taken by the SET at step `taken`, no longer blocks its place.
+    """A workpiece that isn't in the cell yet: number `number` of its kind. The SET at step `taken` takes the
+    previous workpiece. As soon as the previous workpiece no longer blocks the place, this one appears there.
     """
 
     part: Part
@@ -275,8 +279,9 @@ class Expected:
 
 @frozen
 class Parts:
-    """A state of the cell's workpieces: their places, the grippers that are certainly closed (by the
-    variables of their outputs), and the workpieces that are still to come.
+    """A state of the cell's workpieces. `items` are the workpieces in the cell, `closed` the grippers that
+    are certainly closed (by the variables of their outputs), and `expected` the workpieces that are still to
+    come.
     """
 
     items: tuple[Item, ...]
@@ -284,12 +289,12 @@ class Parts:
     expected: tuple[Expected, ...] = ()
 
     def held(self, gripper: str | None = None) -> tuple[Item, ...]:
-        """Return the workpieces that a gripper holds; for None, those that any gripper holds."""
+        """Return the workpieces that a gripper holds; for None, the workpieces that any gripper holds."""
         return tuple(one for one in self.items if one.gripper is not None and gripper in (None, one.gripper))
 
     @property
     def tools(self) -> tuple[str, ...]:
-        """The names of the changed tools that are, or may be, on the flange."""
+        """The names of the changeable tools that are, or may be, on the flange."""
         return tuple(one.name for one in self.held() if one.part.rack is not None)
 
 
@@ -308,7 +313,7 @@ class Leaving:
 
 @frozen
 class Present:
-    """The state of the workpieces when a program starts, if their places aren't those in the cell's file.
+    """The state of the workpieces when a program starts, if they aren't at the places in the cell's file.
 
     `leaving` are the grippers that are still at the workpieces that they took or put down. `goes_on` is True
     for a line of a terminal session, after which another line may close or open a gripper.
@@ -323,9 +328,9 @@ class Present:
 class Sensor:
     """A sensor that sets an input.
 
-    The input is ON while a workpiece or the robot is in the sensor's `region`, placed at `mount`, or while
-    the gripper of the output `gripper` (a controller's variable) holds a workpiece. With `inverted`, it is
-    OFF then.
+    The input is ON while a workpiece or the robot is in the sensor's `region`, placed at `mount`. For a
+    sensor with a `gripper` (the variable of the gripper's output), it is ON while this gripper holds a
+    workpiece. If `inverted` is True, ON and OFF are exchanged.
     """
 
     input: str
@@ -342,7 +347,9 @@ class ShapeRegion:
     base_from_shape: Array
     shape: Box | Sphere | Cylinder | Capsule
     told: tuple[Array, ...] | None = field(default=None, compare=False)
-    """See `Mount.told`."""
+    """The poses of the shape's frames as the file gives them, in the form of `Mount.told`. The judge computes
+    the region's place again from these numbers.
+    """
 
 
 @frozen(eq=False)
@@ -352,7 +359,9 @@ class HalfSpace:
     normal: Array
     offset: float
     told: tuple[Array, ...] | None = field(default=None, compare=False)
-    """See `Mount.told`. It is the place of the frame in whose axes the normal is `own_normal`."""
+    """The pose of a frame as the file gives it, in the form of `Mount.told`. In the axes of this frame, the
+    normal is `own_normal`.
+    """
     own_normal: Array | None = field(default=None, compare=False)
 
     @property
@@ -391,7 +400,7 @@ class StartZone:
 
 Region = ShapeRegion | HalfSpace | JointWindow | Tilt | Sight
 Unplaced = JointWindow | Pointed
-"""Regions that aren't places in the cell."""
+"""Regions that aren't volumes in the cell: regions of joint positions, and of some flange poses."""
 
 
 @frozen(eq=False)
@@ -399,17 +408,18 @@ class Zone:
     """A region of space, joint positions or flange poses, with a rule for the bodies that it watches.
 
     The rules are `allowed`: stay inside; `forbidden`: stay outside; `slow`: inside, no faster than `speed`
-    [m/s]; `posture`: while anything watched is inside, the joints stay in the window `posture`. `speed` and
-    `posture` are None for the other rules.
+    [m/s]; `posture`: while anything watched is inside, the joints stay in the joint window `posture`. `speed`
+    and `posture` are None for the other rules.
 
-    `watch` has the names of what is watched: items of `PARTS` or links of the URDF. `tcp` is the origin of
+    `watch` has the names of what is watched: words of `PARTS`, or links of the URDF. `tcp` is the origin of
     the frame that a command moves, `tool` is this origin and all bodies that the robot carries, `elbow` is a
     point (`yarclang.robot.kinematics.elbow`), `arm` is all links that the joints move.
 
     Everything watched keeps `margin` [m] from the border of an allowed or forbidden zone; slow and posture
-    zones begin `margin` before their border. If the region is a joint window and the rule is `allowed` or
-    `forbidden`, only the joints are watched. If the region is a `Tilt` or a `Sight`, the rule is `allowed`,
-    and the pose of the flange is watched. `keep` is the path constraint from which the zone was created.
+    zones already take effect at a distance of `margin` outside their border. If the region is a joint window
+    and the rule is `allowed` or `forbidden`, only the joints are watched. If the region is a `Tilt` or a
+    `Sight`, the rule is `allowed`, and the pose of the flange is watched. `keep` is the path constraint from
+    which the zone was created.
     """
 
     name: str
@@ -434,20 +444,23 @@ class Zone:
 
 @frozen(eq=False)
 class Cell:
-    """A cell for a robot: names for programs, and bodies and zones in the order of the cell's file.
+    """A cell for a robot: the names that programs can use, and the bodies and zones in the order of the
+    cell's file.
 
     Names are in upper case. `frames` has parents before their children; `joints` are joint positions (n,)
-    [rad or m]; `inputs` are the controller's variables. `places` has the place of a name in `source`, by the
-    table (frames, joints, inputs, outputs) and the name; `zone_places` has the places of the zones' names.
+    [rad or m]; `inputs` are the controller's variables. `places` has the position of each name in the text
+    `source`, by the table (frames, joints, inputs, outputs) and the name; `zone_places` has the positions of
+    the zones' names.
 
     `parts` are the workpieces that grippers take. The collision check ignores `parts`. For each instant of a
-    program there is another cell (`yarclang.handling.surroundings`), in which workpieces are obstacles. In
-    this other cell, `touches` are the bodies that may touch each other when workpieces are taken and put
-    down, and `allowed` are the bodies that the program or an entry of `allowances` allows to touch: pairs of
-    names in upper case, each in alphabetical order. `present` is the state of the workpieces when a program
-    starts; None for the places in the file.
+    program, another cell is made in which the workpieces are obstacles (`yarclang.handling.surroundings`). In
+    that cell, `touches` are the pairs of bodies that may touch when workpieces are taken and put down.
+    `allowed` are the pairs of bodies that the program or an entry of `allowances` allows to touch: names in
+    upper case, the two of a pair in alphabetical order. `present` is the state of the workpieces when a
+    program starts; None for the places in the file.
 
-    `starts` are the joint positions from which a robot may move to the start of a program by itself.
+    `starts` are the ranges of joint positions from which a robot may move to the start of a program without
+    an order of the user.
     """
 
     source: SourceFile

@@ -12,28 +12,30 @@ from yarclang.cell.tools import own_frame, read_lock, tool_of
 from yarclang.toml.places import Path
 
 REACH = 0.010
-"""Reach of grippers and machines if the file gives none [m]."""
+"""Reach of grippers and machines [m], if the file doesn't set it."""
 
 
 def read_part(table: PartTable, path: Path, around: Surroundings) -> Part | None:
-    """Read a workpiece of a cell.toml; return None if it has mistakes, which are reported."""
+    """Read a workpiece of a cell.toml. Report mistakes, and return None if there are any."""
     body = read_obstacle(table, path, around)
     if body is None:
         return None
     if body.mount.on_flange and table.count > 1:
         message = (
-            f"{body.name} hangs on {table.frame}, which the robot carries: there is one of it, not "
+            f"{body.name} is fixed to {table.frame}, which the robot carries: count can only be 1, not "
             f"{table.count}."
         )
-        around.measures.file.say("Y1308", (*path, "count"), message, "Remove count, or name a frame under B.")
+        around.measures.file.say(
+            "Y1308", (*path, "count"), message, "Remove count, or name a frame that is fixed to B."
+        )
         return None
     frame = (table.frame or "").upper()
     return Part(replace(body, mass=table.mass, is_part=True), table.count, frame)
 
 
 def read_grip(table: OutputTable, path: Path, around: Surroundings) -> Grip | Removal | None:
-    """Return the gripper that an output moves, or the machine that removes workpieces; None for other
-    outputs, and for wrong entries, which are reported.
+    """Return the gripper that an output moves, or the machine that removes workpieces when the output is set.
+    Return None for other outputs. Report a wrong entry, and return None for it.
     """
     file = around.measures.file
     if table.locks_at is not None:
@@ -47,14 +49,14 @@ def read_grip(table: OutputTable, path: Path, around: Surroundings) -> Grip | Re
         ("reach", key),
     ):
         if getattr(table, other) is not None and getattr(table, wanted) is None:
-            message = f"The output {path[-1]} has {other}, and neither takes parts nor removes them."
-            remedy = f'Add {wanted} = "FRAME", where it does so.'
+            message = f"The output {path[-1]} has {other}, but neither grips nor removes parts."
+            remedy = f'Add {wanted} = "FRAME", the frame at which it does so.'
             file.say("Y1305", (*path, other), message, remedy, at_key=True)
             return None
     if name is None:
         return None
     if table.grips is not None and table.removes is not None:
-        message = f"The output {path[-1]} has grips and removes: it does one of both."
+        message = f"The output {path[-1]} has both grips and removes, and only one is allowed."
         file.say("Y1305", (*path, "removes"), message, "Remove one of them.", at_key=True)
         return None
     factor = (
@@ -68,9 +70,13 @@ def read_grip(table: OutputTable, path: Path, around: Surroundings) -> Grip | Re
         return None
     mount = own or mount_of(frame, around.frames)
     if mount.on_flange != (key == "grips"):
-        stands = "which the robot carries" if mount.on_flange else "which stands still"
+        stands = "which the robot carries" if mount.on_flange else "which doesn't move with the robot"
         message = f"The output {path[-1]} {key} at {frame}, {stands}."
-        wanted = "Name B, or a frame under it." if mount.on_flange else "Name FLANGE, or a frame under it."
+        wanted = (
+            "Name B, or a frame that is fixed to B."
+            if mount.on_flange
+            else "Name FLANGE, or a frame that is fixed to FLANGE."
+        )
         file.say("Y1374", (*path, key), message, wanted)
         return None
     reach = REACH if table.reach is None else table.reach * factor

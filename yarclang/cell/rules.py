@@ -24,12 +24,12 @@ _KINDS: Mapping[str, tuple[KeepKind, tuple[str, ...], tuple[str, ...]]] = {
     "facing": ("FACING", ("angle",), ("range",)),
     "seen": ("SEEN", ("angle",), ("range",)),
 }
-"""The word of the language for each rule, the keys that it needs, and those that it may have."""
+"""For each rule: its word in the language, its required keys, and its optional keys."""
 
 
 def read_rules(table: CellTable, around: Surroundings) -> dict[str, tuple[Zone, int]]:
-    """Read the path constraints of a cell.toml (`[[keep]]`): return a zone for each correct entry, by the
-    zone's name and with the entry's number; report the other entries.
+    """Read the path constraints of a cell.toml (`[[keep]]`). Return a zone for each correct entry, with the
+    number of the entry, by the zone's name. Report the wrong entries.
     """
     found: dict[str, tuple[Zone, int]] = {}
     for at, entry in enumerate(table.keep):
@@ -38,7 +38,7 @@ def read_rules(table: CellTable, around: Surroundings) -> dict[str, tuple[Zone, 
             continue
         zone = Zone.of(rule)
         if zone.name in found:
-            message = f"{table_name(('keep', at))} says the same as an entry before it: {rule.words}."
+            message = f"{table_name(('keep', at))} repeats an earlier entry: {rule.words}."
             around.measures.file.say("Y1311", ("keep", at), message, "Remove one of them.")
             continue
         found[zone.name] = zone, at
@@ -52,12 +52,12 @@ def _read(entry: KeepTable, path: Path, around: Surroundings) -> Keep | None:
     standing = _frame(entry.of or "B", (*path, "of"), around)
     sound = True
     if carried is not None and carried[1] is not None and not carried[1].on_flange:
-        message = f"{table_name(path)} is a rule for {carried[0]}, which stands still."
-        file.say("Y1371", (*path, "frame"), message, "Name TCP, FLANGE, or a frame under FLANGE.")
+        message = f"{table_name(path)} is a rule for {carried[0]}, which doesn't move with the robot."
+        file.say("Y1371", (*path, "frame"), message, "Name TCP, FLANGE, or a frame that is fixed to FLANGE.")
         sound = False
     if standing is not None and standing[1] is not None and standing[1].on_flange:
-        message = f"{table_name(path)} is kept to {standing[0]}, which the robot carries."
-        file.say("Y1371", (*path, "of"), message, "Name B, or a frame under it.")
+        message = f"{table_name(path)} refers to {standing[0]}, which the robot carries."
+        file.say("Y1371", (*path, "of"), message, "Name B, or a frame that is fixed to B.")
         sound = False
     if entry.rule is None:
         return None
@@ -74,8 +74,8 @@ def _read(entry: KeepTable, path: Path, around: Surroundings) -> Keep | None:
 
 
 def _frame(name: str | None, path: Path, around: Surroundings) -> tuple[str, Mount | None] | None:
-    """Return the name in upper case of the frame that a rule names, and the frame's pose if it is known;
-    None for a wrong name, which is reported.
+    """Return the name (in upper case) and the pose of the frame that a rule names. The pose is None if it is
+    known only with a robot. Report a wrong name, and return None for it.
     """
     if name is None:
         return None
@@ -94,8 +94,8 @@ def _frame(name: str | None, path: Path, around: Surroundings) -> tuple[str, Mou
 
 
 def _limits(entry: KeepTable, path: Path, kind: KeepKind, around: Surroundings) -> tuple[float, ...] | None:
-    """Return the limits of a path constraint: the angle [rad] or distance [m] and, for a cone, the range
-    of distances from its apex [m]. None for wrong limits, which are reported.
+    """Return the limits of a path constraint: the angle [rad] or distance [m] and, for a cone, the range of
+    distances from its apex [m]. Report wrong limits, and return None for them.
     """
     measures, file = around.measures, around.measures.file
     units = measures.of_entry(entry.units, path)
@@ -108,9 +108,9 @@ def _limits(entry: KeepTable, path: Path, kind: KeepKind, around: Surroundings) 
     angle = entry.angle * factor
     if not LEAST_TILT <= angle <= MOST_TILT:
         message = (
-            f"{spoken((*path, 'angle'))} is {angle / DEG:.6g} deg: no motion could be proved to keep to it."
+            f"{spoken((*path, 'angle'))} is {angle / DEG:.6g} deg: no motion could be proved to observe it."
         )
-        remedy = f"It is from {LEAST_TILT / DEG:g} to {MOST_TILT / DEG:g} deg."
+        remedy = f"Write an angle from {LEAST_TILT / DEG:g} to {MOST_TILT / DEG:g} deg."
         file.say("Y1308", (*path, "angle"), message, remedy)
         return None
     if entry.range is None:
@@ -119,7 +119,7 @@ def _limits(entry: KeepTable, path: Path, kind: KeepKind, around: Surroundings) 
     length = measures.factor(units, "length", place)
     if len(entry.range) != 2:
         message = f"{spoken(place)} must have 2 values, but has {len(entry.range)}."
-        file.say("Y1309", place, message, "Write the least and the largest distance: [200, 600].")
+        file.say("Y1309", place, message, "Write the smallest and the largest distance: [200, 600].")
         return None
     if length is None:
         return None
@@ -127,9 +127,9 @@ def _limits(entry: KeepTable, path: Path, kind: KeepKind, around: Surroundings) 
     if not (near >= LEAST_SIGHT and far >= near + LEAST_SIGHT and np.isfinite(far)):
         message = (
             f"{spoken(place)} is from {near / MM:.6g} to {far / MM:.6g} mm: no motion could be proved to "
-            "keep to it."
+            "observe it."
         )
         least = f"{LEAST_SIGHT / MM:g} mm"
-        file.say("Y1308", place, message, f"It begins at {least} or more, and is at least {least} wide.")
+        file.say("Y1308", place, message, f"Begin it at {least} or more, and make it at least {least} wide.")
         return None
     return angle, near, far

@@ -19,7 +19,7 @@ MOST_PARTS = 10_000
 
 
 class Placed(Table):
-    """The place of an entry in a frame: x y z, and roll pitch yaw or a quaternion x y z w."""
+    """The pose of an entry in a frame: x y z, and roll pitch yaw or a quaternion x y z w."""
 
     xyz: list[Number] | None = None
     rpy: list[Number] | None = None
@@ -70,7 +70,9 @@ class OutputTable(Table):
 
 
 class BodyTable(Placed):
-    """The keys that obstacles and parts share; the sizes depend on the shape."""
+    """The keys that obstacles and parts have in common. Which of the keys for sizes are needed depends on the
+    shape.
+    """
 
     required = ("name", "shape", "frame")
     name: str | None = None
@@ -89,14 +91,16 @@ class ObstacleTable(BodyTable):
 
 
 class PartTable(BodyTable):
-    """`[[parts]]`; its mass is in kg."""
+    """`[[parts]]`; the mass of a part is in kg."""
 
     mass: Positive | None = None
     count: Annotated[int, Field(ge=1, le=MOST_PARTS)] = 1
 
 
 class RackTable(Placed):
-    """`[[tools]]`: a tool of robot.toml that can be changed; its place is where the flange stands then."""
+    """`[[tools]]`: a changeable tool of robot.toml. Its place is the pose of the flange at which the robot
+    takes the tool and puts it back.
+    """
 
     required = ("name", "frame")
     name: str | None = None
@@ -138,7 +142,9 @@ class ZoneTable(Placed):
 
 
 class StartTable(Table):
-    """`[[starts]]`: joint positions from which programs may begin by themselves."""
+    """`[[starts]]`: a range of joint positions from which the robot may move to the start of a program
+    without an order of the user.
+    """
 
     required = ("name", "joints")
     name: str | None = None
@@ -147,7 +153,7 @@ class StartTable(Table):
 
 
 class AllowTable(Table):
-    """`[[allow]]`: two bodies that may touch on the way to a frame, or away from it."""
+    """`[[allow]]`: two bodies that may touch during motions that lead to a frame, or that leave it."""
 
     required = ("bodies",)
     wanted: ClassVar = {"bodies": 'the names of two bodies, such as ["GRIPPER", "BOX"]'}
@@ -157,7 +163,7 @@ class AllowTable(Table):
 
 
 class KeepTable(Table):
-    """`[[keep]]`: a rule to which all motions keep; the keys depend on the rule."""
+    """`[[keep]]`: a rule that all motions must satisfy; the keys depend on the rule."""
 
     required = ("frame", "rule")
     frame: str | None = None
@@ -211,28 +217,26 @@ class CellTable(Document):
         "allow": AllowTable,
     }
     examples: ClassVar = {
-        "parent": (
-            'parent = "B" for a frame that stands still, "FLANGE" for a tool, or the name of another frame.'
-        ),
-        "values": "values = [...], one a joint.",
+        "parent": ('parent = "B" for a fixed frame, "FLANGE" for a tool, or the name of another frame.'),
+        "values": "values = [...], one for each joint.",
         "variable": 'for example variable = "M11".',
-        "name": 'for example name = "TABLE": findings name it.',
+        "name": 'for example name = "TABLE", which findings show.',
         "shape": 'for example shape = "box".',
-        "frame": 'frame = "B", or the name of the frame in which x y z count.',
+        "frame": 'frame = "B", or the name of the frame for x y z.',
         "rule": 'rule = "allowed", "forbidden", "slow" or "posture".',
-        "size": "size = [x, y, z], the whole edges.",
+        "size": "size = [x, y, z], the full lengths of the edges.",
         "radius": "for example radius = 40.",
         "length": "for example length = 200, along z.",
-        "file": 'for example file = "press.stl", seen from the folder of this file.',
-        "normal": "normal = [0, 0, 1], the direction into the half space.",
-        "joints": "joints = { J1 = [-90, 90] }, the least and the largest value of each joint that matters.",
-        "speed": "for example speed = 250, in the units of length and time.",
-        "input": 'for example input = "PART_READY", one of [inputs].',
+        "file": 'for example file = "press.stl", a path from the folder of this file.',
+        "normal": "normal = [0, 0, 1], the direction into the half-space.",
+        "joints": "joints = { J1 = [-90, 90] }, the smallest and largest value of each limited joint.",
+        "speed": "for example speed = 250, in the file's units of length and time.",
+        "input": 'for example input = "PART_READY", a name of [inputs].',
         "kind": 'kind = "beam", "proximity" or "vacuum".',
         "to": "to = [x, y, z], where the beam ends.",
-        "range": "for example range = 30, around x y z.",
+        "range": "for example range = 30, the distance around x y z.",
         "bodies": 'bodies = ["GRIPPER", "BOX"], the names of the two bodies that may touch.',
-        "gripper": 'for example gripper = "GRIP", one of [outputs] with grips.',
+        "gripper": 'for example gripper = "GRIP", an output with grips.',
     }
 
 

@@ -1,4 +1,4 @@
-"""Read the sensors of a cell: the input that each sets, and its region."""
+"""Read the sensors of a cell: for each sensor, the input that it sets, and its region."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def read_sensor(
     inputs: Mapping[str, str],
     outputs: Mapping[str, CellOutput],
 ) -> Sensor | None:
-    """Read a sensor of a cell.toml; return None if it has mistakes, which are reported.
+    """Read a sensor of a cell.toml. Report mistakes, and return None if there are any.
 
     Args:
         table: table of the sensor.
@@ -86,8 +86,8 @@ def _vacuum(
 def _beam(
     table: SensorTable, path: Path, variable: str, mount: Mount, units: Units, around: Surroundings
 ) -> Sensor | None:
-    """Return a light beam as a thin body, from the point `xyz` of the sensor's frame straight to the point
-    `to` in the same frame; None for a wrong entry, which is reported.
+    """Return a light beam as a thin straight body from the point `xyz` to the point `to`, both in the
+    sensor's frame. Report a wrong entry, and return None for it.
     """
     measures = around.measures
     unit = measures.factor(units, "length", (*path, "to"))

@@ -20,11 +20,11 @@ if TYPE_CHECKING:
 
 
 def read_start(table: StartTable, path: Path, measures: Measures, robot: Robot | None) -> StartZone | None:
-    """Read a start zone of a cell.toml; return None if it has mistakes, which are reported, or if the robot
-    isn't known.
+    """Read a start zone of a cell.toml, and report its mistakes. Return None if it has mistakes, or if the
+    robot isn't known.
 
-    Every joint must be named. If a joint could be omitted, the robot might move from any position of this
-    joint, although nobody has checked these positions.
+    The entry must name every joint. If it could omit a joint, the robot might start at any position of this
+    joint, and nobody would have checked all these positions.
     """
     units = measures.of_entry(table.units, path)
     if table.name is None or table.joints is None:
@@ -39,10 +39,10 @@ def read_start(table: StartTable, path: Path, measures: Measures, robot: Robot |
     ]
     if open_:
         message = (
-            f"The start zone {table.name[:40]} leaves {', '.join(open_)} open: it would hold wherever these "
-            "joints stand."
+            f"The start zone {table.name[:40]} doesn't limit {', '.join(open_)}: it would apply at any "
+            "position of these joints."
         )
-        remedy = f"Name all {robot.size} joints, each with its least and its largest value."
+        remedy = f"Name all {robot.size} joints, each with its smallest and its largest value."
         measures.file.say("Y1308", (*path, "joints"), message, remedy)
         return None
     return StartZone(table.name.upper(), window)

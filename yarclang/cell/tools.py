@@ -16,29 +16,31 @@ from yarclang.toml.places import Path
 from yarclang.transforms import constant
 
 NO_TOOL = "NONE"
-"""Word that is written instead of a tool's name if the flange is to be empty after the change."""
+"""Word that a program writes in place of a tool's name to leave the flange empty after the change."""
 
 LOCK_REACH = 0.0005
-"""Largest distance of the flange from a tool's place at which a changer locks, if the file gives none [m]."""
+"""Largest distance of the flange from a tool's place at which a changer locks [m], if the file doesn't set
+it.
+"""
 
 MOST_REACH = 0.005
-"""Largest such distance that a file may give [m], because the motion of a tool that the changer pulls
-isn't modelled.
+"""Largest distance that a file may set in place of `LOCK_REACH` [m]. A changer pulls the tool over this
+distance, and this pull isn't modelled.
 """
 
 
 def read_lock(table: OutputTable, path: Path, around: Surroundings) -> Grip | None:
-    """Return the lock of a tool changer that an output moves; None for a wrong entry, which is reported."""
+    """Return the tool changer's lock that an output moves. Report a wrong entry, and return None for it."""
     file = around.measures.file
     for key in ("grips", "grips_at", "removes", "removes_at", "tool"):
         if getattr(table, key) is not None:
             message = (
-                f"The output {path[-1]} has locks_at and {key}: the lock of a tool changer holds tools, and "
-                "no parts."
+                f"The output {path[-1]} has locks_at and {key}: the lock of a tool changer holds tools, not "
+                "parts."
             )
             file.say("Y1305", (*path, key), message, "Remove one of them.", at_key=True)
             return None
-    assert table.locks_at is not None  # what makes it a lock
+    assert table.locks_at is not None  # this key makes the output a lock
     reach = LOCK_REACH
     if table.reach is not None:
         factor = around.measures.factor(around.measures.common, "length", (*path, "reach"))
@@ -47,24 +49,25 @@ def read_lock(table: OutputTable, path: Path, around: Surroundings) -> Grip | No
         reach = table.reach * factor
     if not 0.0 < reach <= MOST_REACH:
         message = (
-            f"The lock {path[-1]} reaches {reach * 1e3:.4g} mm: more than 0 and at most "
-            f"{MOST_REACH * 1e3:g} mm is allowed."
+            f"The lock {path[-1]} reaches {reach * 1e3:.4g} mm; it must be more than 0 and at most "
+            f"{MOST_REACH * 1e3:g} mm."
         )
         file.say(
-            "Y1308", (*path, "reach"), message, "Tools are docked, not caught: teach their places better."
+            "Y1308",
+            (*path, "reach"),
+            message,
+            "Tools are docked exactly: teach their places more accurately.",
         )
         return None
     if table.safe is not None and table.safe != table.locks_at:
-        message = f"The lock {path[-1]} opens at each stop (safe), and drops the tool."
-        file.say("Y1378", (*path, "safe"), message, "Remove safe: the output then stays as it is.")
+        message = f"The lock {path[-1]} has a safe value that opens it at each stop and drops the tool."
+        file.say("Y1378", (*path, "safe"), message, "Remove safe: the output then keeps its value at a stop.")
         return None
     return Grip("FLANGE", ROOTS["FLANGE"].transform, reach, table.locks_at, changes=True)
 
 
 def tool_of(name: str, path: Path, around: Surroundings) -> str | None:
-    """Return the name, in upper case, of a tool that can be changed; None for a wrong name, which is
-    reported.
-    """
+    """Return the name, in upper case, of a changeable tool. Report a wrong name, and return None for it."""
     if name.upper() in around.tools:
         return name.upper()
     message = f"tool is {name[:40]}, which isn't one of the [[tools]] of this file."
@@ -93,8 +96,8 @@ def own_frame(name: str, table: OutputTable, around: Surroundings) -> Mount | No
 def read_tools(
     table: CellTable, outputs: Mapping[str, CellOutput], around: Surroundings
 ) -> list[Part | None]:
-    """Return the tools of a cell.toml that can be changed, in the form of workpieces; None for each tool with
-    mistakes, which are reported.
+    """Return the changeable tools of a cell.toml, in the form of workpieces. Report wrong entries; the list
+    has None in the place of each.
 
     Args:
         table: data of the file.
@@ -105,11 +108,11 @@ def read_tools(
     locks = [name for name, one in outputs.items() if one.grip is not None and one.grip.changes]
     for name in locks[1:]:
         place: Path = ("outputs", next(one for one in table.outputs if one.upper() == name), "locks_at")
-        message = f"{locks[0]} and {name} are both locks of a tool changer: a robot has one."
+        message = f"{locks[0]} and {name} are both locks of a tool changer: a robot can have only one."
         file.say("Y1378", place, message, "Remove locks_at from one of them.", at_key=True)
     tried = any(one.locks_at is not None for one in table.outputs.values())
     if table.tools and not tried:
-        message = "The file has tools that can be changed, and no output that locks them."
+        message = "The file has tools to change, but no output that locks them."
         file.say(
             "Y1378",
             ("tools", 0),
@@ -122,7 +125,7 @@ def read_tools(
             f"{table.tools[at].name} and {table.tools[on[0]].name} are both on the flange when a program "
             "starts."
         )
-        file.say("Y1378", ("tools", at, "on"), message, "Leave on = true at one of them.")
+        file.say("Y1378", ("tools", at, "on"), message, "Keep on = true at only one of them.")
     lock = outputs[locks[0]] if locks else None
     return [_read_tool(one, ("tools", at), lock, outputs, around) for at, one in enumerate(table.tools)]
 
@@ -139,8 +142,8 @@ def _read_tool(
     place = mounted(table, path, units, around)
     margin = measures.factor(units, "length", (*path, "margin")) if table.margin else 1.0
     if place is not None and place.on_flange:
-        message = f"The place of {table.name} hangs on {table.frame}, which the robot carries."
-        measures.file.say("Y1374", (*path, "frame"), message, "Name B, or a frame under it.")
+        message = f"The place of {table.name} is fixed to {table.frame}, which the robot carries."
+        measures.file.say("Y1374", (*path, "frame"), message, "Name B, or a frame that is fixed to B.")
         return None
     if table.name is None or robot is None:
         return None
@@ -187,7 +190,7 @@ def _tool_named(name: str, path: Path, around: Surroundings, robot: Robot) -> To
         file.say("Y1310", (*path, "name"), message, "Choose another name, in robot.toml too.")
     elif tool is None:
         known = [one.name for one in robot.tools]
-        message = f"{name[:40]} is no tool of {robot.name}."
+        message = f"{name[:40]} isn't a tool of {robot.name}."
         remedy, subject = did_you_mean(name.upper(), known)
         remedy = (
             remedy if known else f"Describe it in robot.toml: [tools.{name[:40].upper()}], mounted = false."
@@ -195,9 +198,9 @@ def _tool_named(name: str, path: Path, around: Surroundings, robot: Robot) -> To
         file.say("Y1378", (*path, "name"), message, remedy, subject)
     elif tool.mounted:
         message = f"{tool.name} is always on the flange of {robot.name}: robot.toml has it mounted."
-        file.say("Y1378", (*path, "name"), message, "Write mounted = false there: the cell says where it is.")
+        file.say("Y1378", (*path, "name"), message, "Write mounted = false there: the cell gives its place.")
     elif not tool.shapes:
-        message = f"{tool.name} has no body in robot.toml: nothing would stand in its place."
+        message = f"{tool.name} has no body in robot.toml: its place would be empty."
         file.say("Y1378", (*path, "name"), message, "Add its shapes there, under [[bodies]].")
     else:
         return tool
@@ -207,8 +210,8 @@ def _tool_named(name: str, path: Path, around: Surroundings, robot: Robot) -> To
 def _frames_of(
     table: RackTable, path: Path, tool: Tool, around: Surroundings, robot: Robot
 ) -> tuple[str, ...] | None:
-    """Return the frames on the flange that exist only while a tool is there; None for a wrong entry, which
-    is reported.
+    """Return the names of the frames on the flange that exist only while a tool is on the flange. Report a
+    wrong entry, and return None for it.
     """
     own = {*_own_frame(tool)}
     hanging = {name for name, one in around.frames.items() if one.mount.on_flange}

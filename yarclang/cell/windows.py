@@ -22,10 +22,10 @@ Units = Mapping[Kind, Unit] | None
 def joint_position(
     name: str, values: Sequence[float], path: Path, units: Units, measures: Measures, robot: Robot | None
 ) -> Array | None:
-    """Read a joint position (n,) [rad or m], and check it against the limits of the robot. Return None with
-    findings, or without a robot.
+    """Read a joint position (n,) [rad or m], and check it against the limits of the robot. Return None if the
+    entry is wrong, which is reported, or if no robot is given.
 
-    Without a robot only the units are checked: there must be a unit of angle or of length.
+    Without a robot, the only check is that a unit of angle or of length is stated.
     """
     if robot is None:
         if units is not None and not units.keys() & {"angle", "length"}:
@@ -44,11 +44,11 @@ def joint_position(
     unit, scale = robot.axis_unit_names[joint], robot.axis_units[joint]
     lower, upper = robot.limits.lower[joint] / scale, robot.limits.upper[joint] / scale
     message = (
-        f"{name} has joint {robot.joint_names[joint]} at {q[joint] / scale:.6g} {unit}, "
-        f"{excess[joint]:.6g} {unit} outside of its limits {lower:g} to {upper:g}."
+        f"{name} has joint {robot.joint_names[joint]} at {q[joint] / scale:.6g} {unit}, {excess[joint]:.6g} "
+        f"{unit} outside its limits {lower:g} to {upper:g}."
     )
     measures.file.say(
-        "Y1317", (*path, joint), message, f"Move the position, or take it out for {robot.name}."
+        "Y1317", (*path, joint), message, f"Change the position, or remove it for {robot.name}."
     )
     return None
 
@@ -56,7 +56,9 @@ def joint_position(
 def joint_window(
     joints: Mapping[str, Sequence[float]], path: Path, units: Units, measures: Measures, robot: Robot | None
 ) -> JointWindow | None:
-    """Return the joint window of a zone; None for a wrong entry, which is reported, or without a robot."""
+    """Return the joint window of a zone. Report a wrong entry. Return None if the entry is wrong, or if no
+    robot is given.
+    """
     sound = bool(joints)
     if not joints:
         measures.file.say("Y1308", path, "The joint window names no joint.", "Write { J1 = [-90, 90] }.")
@@ -65,7 +67,7 @@ def joint_window(
             sound = False
         elif ends[0] >= ends[1]:
             message = (
-                f"{spoken((*path, name))} begins at {ends[0]:g}, which isn't below its end, {ends[1]:g}."
+                f"{spoken((*path, name))} begins at {ends[0]:g}, which must be below its end, {ends[1]:g}."
             )
             measures.file.say("Y1316", (*path, name), message, "Write [least, largest].")
             sound = False
@@ -87,7 +89,7 @@ def joint_window(
             message = (
                 f"The window names joint {robot.joint_names[at]} twice: {named[at][:40]} and {name[:40]}."
             )
-            measures.file.say("Y1372", (*path, name), message, "Leave one of them.", at_key=True)
+            measures.file.say("Y1372", (*path, name), message, "Remove one of them.", at_key=True)
             sound = False
             continue
         named[at] = name

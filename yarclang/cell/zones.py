@@ -44,8 +44,8 @@ _RULES: Mapping[str, tuple[str, ...]] = {
 
 
 def read_zone(table: ZoneTable, path: Path, around: Surroundings) -> Zone | None:
-    """Read a zone of a cell.toml; return None if it has mistakes, which are reported, or if the zone
-    depends on a robot that isn't known.
+    """Read a zone of a cell.toml, and report its mistakes. Return None if it has mistakes, or if it depends
+    on a robot and the robot isn't known.
     """
     measures = around.measures
     units = measures.of_entry(table.units, path)
@@ -78,16 +78,16 @@ def read_zone(table: ZoneTable, path: Path, around: Surroundings) -> Zone | None
 
 
 THINNEST, NARROWEST = 1e-4, 1e-4
-"""Smallest thickness of a zone with its margins [m], and smallest width of a joint window [rad or m], except
-for allowed zones.
+"""Smallest allowed thickness of a zone including its margins [m], and smallest allowed width of a joint
+window [rad or m]. Zones with the rule `allowed` may be smaller.
 
-They are several times the resolution of a proof, so that no motion crosses a zone unnoticed.
+Both are several times the resolution of a proof, so that no motion crosses a zone unnoticed.
 """
 
 
 def _too_thin(zone: Zone) -> tuple[str, str] | None:
-    """Return the fault and the remedy of a zone that is so thin that a motion could cross it unnoticed;
-    None for other zones.
+    """Return a message and a remedy if a zone is so thin that a motion could cross it unnoticed; None for
+    other zones.
     """
     if zone.rule == "allowed" or isinstance(zone.region, HalfSpace | Pointed):
         return None
@@ -95,7 +95,7 @@ def _too_thin(zone: Zone) -> tuple[str, str] | None:
         if float((zone.region.upper - zone.region.lower).min()) >= NARROWEST:
             return None
         remedy = f"Make it at least {NARROWEST:g} rad or m wide."
-        return "is so narrow that a joint could get through it without a proof that sees it.", remedy
+        return "is too narrow to be proved: a joint could cross it between two checks.", remedy
     match zone.region.shape:
         case Box(size=size):
             thick = float(size.min())
@@ -107,7 +107,10 @@ def _too_thin(zone: Zone) -> tuple[str, str] | None:
     if thick >= THINNEST:
         return None
     remedy = f"Make it at least {THINNEST / MM:g} mm thick, or give it a margin."
-    return f"is {thick / MM:.3g} mm thick: a point could get through it without a proof that sees it.", remedy
+    return (
+        f"is {thick / MM:.3g} mm thick, too thin to be proved: a point could cross it between two checks.",
+        remedy,
+    )
 
 
 def _has_keys_of_shape(table: ZoneTable, path: Path, around: Surroundings) -> bool:
@@ -117,12 +120,10 @@ def _has_keys_of_shape(table: ZoneTable, path: Path, around: Surroundings) -> bo
     if table.shape is None:
         return False
     if table.rule == "posture" and table.shape == "joints":
-        message = (
-            f"{table_name(path)} is a joint window for a posture: one of the two says where the joints must "
-            "be."
-        )
+        message = f'{table_name(path)} is a joint window with rule = "posture": both would limit the joints.'
         remedy = (
-            'Give it the shape of a place, such as "box"; joint positions to stay in are rule = "allowed".'
+            'Give it a shape in space, such as "box", or write rule = "allowed" to keep the joints in the '
+            "window."
         )
         around.measures.file.say("Y1305", (*path, "shape"), message, remedy)
         return False
@@ -146,15 +147,15 @@ def _has_keys_of_rule(table: ZoneTable, path: Path, around: Surroundings) -> boo
 
 
 def _region(table: ZoneTable, path: Path, units: Units, around: Surroundings) -> Region | None:
-    """Return the region of a zone in {B}, or in joint space; None for a wrong entry, which is reported."""
+    """Return the region of a zone in {B}, or in joint space. Report a wrong entry, and return None for it."""
     measures = around.measures
     if table.shape == "joints" and table.joints is not None:
         return joint_window(table.joints, (*path, "joints"), units, measures, around.robot)
     mount = mounted(table, path, units, around)
     if mount is not None and mount.on_flange:
-        message = f"{table_name(path)} hangs on {table.frame}, which the robot carries."
+        message = f"{table_name(path)} is fixed to {table.frame}, which the robot carries."
         measures.file.say(
-            "Y1371", (*path, "frame"), message, "A zone stands still: name B, or a frame under it."
+            "Y1371", (*path, "frame"), message, "A zone can't move: name B, or a frame that is fixed to B."
         )
         return None
     if table.normal is not None:
@@ -180,14 +181,16 @@ def _half_space(
 
 
 def _watched(names: Sequence[str] | None, path: Path, around: Surroundings) -> tuple[str, ...] | None:
-    """Return the names of the bodies and points that a zone watches; None for a wrong entry, which is
-    reported.
+    """Return the names of the bodies and points that a zone watches. Report a wrong entry, and return None
+    for it.
     """
     if names is None:
         return ("tool",)
     file, robot = around.measures.file, around.robot
     if not names:
-        file.say("Y1308", path, "The zone watches nothing.", f"Write {_FOR_EXAMPLE}, or leave watch out.")
+        file.say(
+            "Y1308", path, "The list watch of the zone is empty.", f"Write {_FOR_EXAMPLE}, or remove watch."
+        )
         return None
     sound = True
     links = dict.fromkeys(shape.link for shape in robot.shapes) if robot else {}
@@ -195,7 +198,7 @@ def _watched(names: Sequence[str] | None, path: Path, around: Surroundings) -> t
     for at, name in enumerate(names):
         part = name.lower() if name.lower() in PARTS else name
         if part in chosen:
-            file.say("Y1311", (*path, at), f"{part[:40]} is watched already.", "Name it once.")
+            file.say("Y1311", (*path, at), f"{part[:40]} is named twice.", "Name it once.")
             sound = False
         elif robot is not None and (fault := _unknown(part, robot, links)) is not None:
             file.say("Y0906", (*path, at), *fault)
@@ -208,12 +211,12 @@ _FOR_EXAMPLE = 'watch = ["tool", "elbow"]'
 
 
 def _unknown(part: str, robot: Robot, links: Mapping[str, None]) -> tuple[str, str, Name] | None:
-    """Return why a robot lacks the body or point that a zone watches, the remedy, and the name; None if the
-    robot has it.
+    """Return the reason why a robot doesn't have the body or point that a zone watches, the remedy, and the
+    name; None if the robot has it.
     """
     if part == "elbow":
         if elbow_of(robot.chain) is None:
-            return f"{robot.name} has no elbow.", "Name the links that shall be watched.", Name(part)
+            return f"{robot.name} has no elbow.", "Name the links to watch.", Name(part)
     elif part == "arm":
         if not any(shape.joint for shape in robot.shapes):
             return (

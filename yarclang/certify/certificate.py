@@ -20,13 +20,13 @@ Quantity = Literal["position", "velocity", "acceleration", "jerk", "motor_veloci
 
 @frozen
 class Load:
-    """The joint or motor that comes nearest to its limit, and its share of this limit (1.0 is at the limit).
+    """The joint or motor that comes nearest to its limit, and the fraction of the limit that it uses.
 
-    For positions the share is |q - middle| / (half of the range).
+    For positions, the fraction is the distance from the middle of the range, divided by half of the range.
 
     Attributes:
         name: name of the joint or motor; empty if there is no motion or no limit.
-        share: share of the limit.
+        share: used fraction of the limit (1.0 is at the limit).
     """
 
     name: str
@@ -52,7 +52,7 @@ class Peaks:
     Attributes:
         names: for each quantity, the names of all joints or motors.
         joints: index of the most used joint or motor in the `names` of its quantity.
-        shares: share of the limit.
+        shares: fraction of the limit that this joint or motor uses.
     """
 
     names: tuple[tuple[str, ...], ...]
@@ -62,7 +62,7 @@ class Peaks:
 
 @frozen(eq=False)
 class Loads:
-    """The loads of one command, as a row of the loads of many commands.
+    """The loads of one command, stored in the arrays of many commands.
 
     Attributes:
         peaks: the loads of many commands; None if all loads are zero.
@@ -82,7 +82,7 @@ class Loads:
         return Load(self.peaks.names[number][self.peaks.joints[place]], share) if share > 0.0 else IDLE
 
     def share_of(self, quantity: Quantity) -> float:
-        """Return the share of the load of one of `QUANTITIES`."""
+        """Return the used fraction of the limit of one of `QUANTITIES` (1.0 is at the limit)."""
         if self.peaks is None:
             return 0.0
         share = self.peaks.shares[self.row * len(QUANTITIES) + _NUMBERS[quantity]]
@@ -152,7 +152,7 @@ class Blended:
     The bounds also cover the parts of both programmed paths that the blend cuts off.
 
     Attributes:
-        segments: number of segments of the blend, half of them the first motion's.
+        segments: number of segments of the blend. Half of them belong to the first motion.
         radius: allowed distance from the programmed corner [m]. If it is 0, both paths are followed up to the
             corner.
         turn: allowed angle from the programmed corner [rad].
@@ -160,6 +160,8 @@ class Blended:
             prismatic joints.
         angle: largest angle of the moving frame from the corner [rad]; between two joint motions, of the
             revolute joints.
+        passed: segment in which a corner without a ball is passed, counted from the middle of the blend; None
+            for a corner with a ball.
     """
 
     segments: int
@@ -167,6 +169,7 @@ class Blended:
     turn: float
     position: float
     angle: float
+    passed: int | None = None
 
     def to_json(self) -> dict[str, Any]:
         """Return the bounds for JSON, in mm and deg."""
@@ -185,14 +188,14 @@ class ToolSpeed:
 
     The speed is that of the frame's origin [m/s], or, with `turns`, the angular speed [rad/s]. `least` and
     `most` cover the time from when the programmed speed is first reached to when it is last left, without
-    blends; they are NaN if it is never reached.
+    blends. They are NaN if the programmed speed is never reached.
 
     Attributes:
         turns: True if the path only turns the frame.
         largest: largest speed during the whole command.
         programmed: the programmed speed; NaN without one.
-        least: least speed during this time.
-        most: largest speed during this time.
+        least: least speed during the time described above.
+        most: largest speed during the time described above.
         beyond: largest ratio of the speed to the allowed speed.
     """
 
@@ -245,7 +248,7 @@ class MayTouch:
     Attributes:
         first: name of one body, in upper case.
         second: name of the other body, after `first` in alphabetical order.
-        giver: the line of program or cell that allows it, in words.
+        giver: the line of the program or cell that allows the bodies to touch, in words.
         needed: True if the bodies come closer to each other than their margin, or touch.
     """
 
@@ -269,11 +272,12 @@ class KeptRule:
     """A rule of KEEP that a command respects, such as an upright cup, with the proved bounds.
 
     Attributes:
-        rule: the rule in words: {CUP} UPRIGHT 10 (deg) {B}.
-        limit: largest allowed angle [rad]; for ABOVE the least allowed distance [m].
-        largest: upper bound of the angle [rad]; None for ABOVE, whose distance is that of a zone's border.
-        nearest: for FACING and SEEN, lower bound of the distance [m]; otherwise None.
-        farthest: for FACING and SEEN, upper bound of the distance [m]; otherwise None.
+        rule: the rule in words, such as "{CUP} UPRIGHT 10 (deg) {B}".
+        limit: largest allowed angle [rad]; for ABOVE, least allowed height over the plane [m].
+        largest: upper bound of the angle [rad]; None for ABOVE, whose plane is treated as a zone's border.
+        nearest: for FACING and SEEN, lower bound of the point's distance from the cone's apex [m]; otherwise
+            None.
+        farthest: for FACING and SEEN, upper bound of the same distance [m]; otherwise None.
     """
 
     rule: str
@@ -284,13 +288,13 @@ class KeptRule:
 
     def to_json(self) -> dict[str, Any]:
         """Return the rule and its bounds for JSON, with the angle in deg and distances in mm."""
-        told: dict[str, Any] = {"rule": self.rule}
+        values: dict[str, Any] = {"rule": self.rule}
         if self.largest is not None:
-            told["largest_deg"] = _number(most(self.largest, DEG))
+            values["largest_deg"] = _number(most(self.largest, DEG))
         if self.nearest is not None and self.farthest is not None:
-            told["nearest_mm"] = _number(least(self.nearest, MM))
-            told["farthest_mm"] = _number(most(self.farthest, MM))
-        return told
+            values["nearest_mm"] = _number(least(self.nearest, MM))
+            values["farthest_mm"] = _number(most(self.farthest, MM))
+        return values
 
 
 @frozen
@@ -340,7 +344,7 @@ class CommandCertificate:
         segments: number of segments.
         segment_time: duration of each segment [s].
         duration: duration of the motion [s].
-        programmed_duration: programmed duration [s]; None for the shortest that the limits allow.
+        programmed_duration: programmed duration [s]; None if the motion is to be as fast as the limits allow.
         loads: the loads of joints and motors. The load `hold` is that of braking on the path at the worst
             moment, |a| + |v| / hold time, relative to the acceleration of an emergency stop. It is stated,
             not judged.
@@ -351,9 +355,9 @@ class CommandCertificate:
             the acceleration jump, and in blends with such a motion.
         clearance: distance of the robot and its load from the cell.
         own_clearance: distance of the bodies of the robot and its load from each other.
-        zone_clearance: distance of the watched bodies from borders that they must not cross. Its two names
-            are those of the watched body and of the zone.
-        zone_speed: speed in that slow zone in which the command comes nearest to the speed limit.
+        zone_clearance: distance of the watched bodies from borders that they must not cross. It names the
+            watched body and the zone.
+        zone_speed: speed in the slow zone in which the command comes nearest to the zone's speed limit.
         torque: the joint that comes nearest to its effort limit; None if the robot's masses or effort limits
             are unknown.
         carries: parts that grippers carry during the motion.
@@ -466,7 +470,7 @@ class Certificate:
         target: name of the target controller.
         commands: the certificates of all motion commands.
         tolerance: the general tolerance, for commands without their own.
-        text: the judged text, with the very lines that a runtime sends.
+        text: the judged text; a runtime sends exactly its lines.
     """
 
     target: str
@@ -533,7 +537,7 @@ class Certificate:
         }
 
     def summary(self) -> str:
-        """Return one line of ASCII for the header of the controller's text."""
+        """Return a summary of the certificate in one line of ASCII, for the header of the controller text."""
         judged = [command.loads.share_of("jerk") for command in self.commands if command.jerk_judged]
         free = [command.loads.share_of("jerk") for command in self.commands if not command.jerk_judged]
         shares = {
@@ -546,7 +550,7 @@ class Certificate:
             shares["torque"] = max(torque)
         loads = ", ".join(f"{name} {percent(share)} %" for name, share in shares.items())
         path = f"path within {bound_text(self.position, MM)} mm, {bound_text(self.angle, DEG)} deg"
-        told = ""
+        notes = ""
         if free:
             kinds = {command.kind == "timed" for command in self.commands if not command.jerk_judged}
             whose = " and ".join(
@@ -557,16 +561,18 @@ class Certificate:
                 )
                 if is_timed in kinds
             )
-            told = f"; jerk of {whose} up to {percent(max(free))} %, not judged"
+            notes = f"; jerk of {whose} up to {percent(max(free))} %, not judged"
         may = [len(command.may_touch) for command in self.commands if command.may_touch]
         if may:
-            told += f"; {sum(may)} pair{'s' * (sum(may) > 1)} of bodies may touch, unchecked"
+            notes += f"; {sum(may)} pair{'s' * (sum(may) > 1)} of bodies may touch, unchecked"
         kept = [(one.nearest is None, one.largest) for each in self.commands for one in each.kept]
         if tilts := [most_ for is_tilt, most_ in kept if is_tilt and most_ is not None]:
-            told += f"; what is kept upright tilts by at most {up_to(most(max(tilts), DEG), 3)} deg"
+            notes += f"; what is kept upright tilts by at most {up_to(most(max(tilts), DEG), 3)} deg"
         if angles := [most_ for is_tilt, most_ in kept if not is_tilt and most_ is not None]:
-            told += f"; what is kept in a cone is at most {up_to(most(max(angles), DEG), 3)} deg off its axis"
-        return f"{path}; {loads} of the limits{told}"
+            notes += (
+                f"; what is kept in a cone is at most {up_to(most(max(angles), DEG), 3)} deg off its axis"
+            )
+        return f"{path}; {loads} of the limits{notes}"
 
 
 def bound_text(value: float, unit: float) -> str:
@@ -578,5 +584,5 @@ def bound_text(value: float, unit: float) -> str:
 
 
 def _number(value: float) -> float | None:
-    """Return a number for JSON; None stands for infinity, where nothing was proved."""
+    """Return a number for JSON; None for infinity, which means that nothing was proved."""
     return value if math.isfinite(value) else None

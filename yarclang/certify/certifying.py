@@ -52,8 +52,8 @@ def certify(
         tolerance: largest allowed deviation of the executed path from the programmed one.
         claims: values from the planner that help the proofs.
         memory: cache of parsed move lines and of proofs, keyed by the numbers in the text and in the program.
-        any_line: True to accept other source lines in the text's map than those of the program, because
-            edited comments may have moved the commands.
+        any_line: True to accept source lines in the text's map that differ from the program's. Edits of
+            comments may have moved the commands to other lines.
 
     Returns:
         The certificate, even if violations are proved (they are errors among the findings). None if the text
@@ -95,7 +95,8 @@ def certify(
     tell("certifying: zones", 0)
     # The proved bound of a speed in a zone depends on which motions are examined together, so zones are not
     # cached.
-    zones = {} if judge.breaks_limits else judge.zones(layout)
+    blends = {step: proof.blended for step, proof in proofs.items() if proof.blended is not None}
+    zones = {} if judge.breaks_limits else judge.zones(layout, blends)
     commands = tuple(
         _row(judge, layout, place, proofs[place.step], zones.get(place.step, NO_ZONES), memory)
         for place in layout.places
@@ -187,10 +188,10 @@ def certify_text(
 ) -> Result[Certificate]:
     """Prove as much as possible about a controller text without its program.
 
-    This covers limits at every instant, rests, segment times and the guard. It also covers assignments: only
-    outputs are assigned, each at rest or in the middle of a blend. It covers the goal of each RAPID;
-    distances between the robot, tools and the cell's obstacles; zones and torques. A note lists what is not
-    judged.
+    The proof covers limits at every instant, rests, segment times, the guard, and the goal of each RAPID. It
+    covers assignments: only outputs are assigned, each at rest or in the middle of a blend. It also covers
+    the distances between the robot, tools and the cell's obstacles, the zones, and the torques. A note lists
+    what is not judged.
 
     Args:
         text: the emitted text.
@@ -231,7 +232,7 @@ def certify_text(
     loads = judge.limits(layout)
     apart = {} if judge.breaks_limits else judge.clearances(layout)
     torques = {} if judge.breaks_limits else judge.torques(layout)
-    zones = {} if judge.breaks_limits else judge.zones(layout)
+    zones = {} if judge.breaks_limits else judge.zones(layout, {})
     unknown = Deviation(math.inf, math.inf, math.inf, math.inf)
     commands = tuple(
         judge.command(

@@ -1,4 +1,4 @@
-"""What the planner claims about a controller text, to help the judge's proofs.
+"""Values that the planner claims about a controller text, to help the judge's proofs.
 
 Each claim is checked: a wrong claim can make a proof fail, but it can't make a wrong text pass. The exception
 is `any_jerk`: the certificate reports that the jerk of these motions wasn't judged.
@@ -18,20 +18,22 @@ class Claims:
     """All values that the planner passes to the judge, by the index of a motion in the program's steps.
 
     Attributes:
-        witnesses: chosen joint positions [rad or m], checked against the way-points by forward kinematics.
-            For a SplineMove (k, n), one row for each of its k way-points. For an AvoidMove (k, n), the
-            way-points found, with the goal in the last row. For some motions that flow into the next one
-            (1, n), the joint positions at their end: a JointMove to a pose, and a Cartesian motion before a
-            motion in joint space.
-        laws: for SplineMoves and PoseSplineMoves, the path parameter over time, from which the deviation is
-            measured: (segments + 3,) control values of the share of the path. In a chain, the segments reach
-            half a blend beyond the motion's own segments on either side.
+        witnesses: chosen joint positions [rad or m]. The judge checks them against the waypoints by forward
+            kinematics. A SplineMove has one row for each of its k waypoints (k, n). An AvoidMove has one row
+            for each waypoint that was found, with the goal in the last row (k, n). Some motions that flow
+            into the next one have one row, the joint positions at their end (1, n): JointMoves to a pose, and
+            Cartesian motions before a motion in joint space.
+        laws: for SplineMoves and PoseSplineMoves, the fraction of the path that is covered over time, as
+            control values (segments + 3,) of a cubic B-spline. The judge compares the executed motion with
+            the path at this fraction. In a chain, the B-spline also covers half of the blend before and half
+            of the blend after the motion's own segments.
         kept: ratio of the reached speed to the programmed one, if less than 1. The judge checks the text
             against this ratio and reports it (Y0610).
-        least: in a chain, the lowest ratio of the speed to the programmed one, once that has been reached.
-            The judge checks that the speed stays between this ratio and 1, and reports the ratio as well.
+        least: in a chain, the lowest ratio of the speed to the programmed speed, after the programmed speed
+            has first been reached. The judge checks that the speed stays between this ratio and 1, and
+            reports the ratio as well.
         any_jerk: steps whose motion profile has no jerk limit. The judge checks that the text's map lifts the
-            jerk limit of no other motion; the certificate lists the jerk of these motions as not judged.
+            jerk limit of no other motion. The certificate lists the jerk of these motions as not judged.
     """
 
     witnesses: Mapping[int, Array] = field(default_factory=dict)

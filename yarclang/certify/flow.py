@@ -1,4 +1,4 @@
-"""Comparison of the actions between a controller text's motions with those of its program.
+"""Check that a controller text does between its motions what its program says.
 
 The dwells, outputs, waits and branches of a text must be those of the program, in the same order, and at
 rest. The only exception from rest is an output after a motion that flows into the next one: it is set in the
@@ -8,7 +8,7 @@ middle of the blend.
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
@@ -26,21 +26,25 @@ from yarclang.units import MS
 Deed = tuple[object, ...]
 """An action: its kind, followed by its details."""
 Fault = tuple[int | None, str]
-"""The step of the program concerned, if known, and the fault in words."""
+"""The step of the program to which a fault belongs, if known, and the fault in words."""
 
 SEGMENTS_OFF = 1
-"""Largest number of segments between the middle of a blend and an output that is set there."""
+"""Largest number of segments between the middle of a blend and an output that counts as set in this middle.
+"""
 _SAME_TIME = 1e-6
 _DECIMALS = 9
-"""Decimals of input and output values in a text."""
+"""Number of decimals of input and output values in a text."""
 _TIMES = {"dwell": (1,), "wait": (4,), "until": (3,), "when": (4,)}
-"""Positions of times in an action: a dwell [ms], the timeout of a wait [s]."""
+"""For each kind of action, the indices of the times in its tuple: the duration of a dwell [ms], otherwise a
+timeout [s].
+"""
 _LONGEST_NAME = 80
 """Largest number of characters of a name or text in a map."""
 
 
 def check_flow(text: ControllerText, program: hir.Program) -> Iterator[Fault]:
-    """Yield the first difference between the actions of the text and those of the program.
+    """Yield the differences between the declarations of the text and those of the program (such as safe
+    values, registers and watched inputs), and the first difference between their actions.
 
     Args:
         text: the controller text, as the judge has read it.
@@ -61,28 +65,38 @@ def check_flow(text: ControllerText, program: hir.Program) -> Iterator[Fault]:
         yield None, "other frames than the program's are shifted, or by other registers"
     allows = tuple(one for one in permitted(program) if one.step in moving)
     if text.allows != allows:
+        # Report the first pair, in the order of the map, that only the text or only the program allows to
+        # touch.
         wrong = min({*text.allows} ^ {*allows}, key=lambda one: (one.step, one.first, one.second))
         lets = "lets" if wrong in text.allows else "doesn't let"
         other = "doesn't" if wrong in text.allows else "does"
         yield wrong.step, f"the text {lets} {wrong.first} and {wrong.second} touch, and the program {other}"
     keeps = tuple(one for one in kept_to(program) if one.step in moving)
     if text.keeps != keeps:
-        here = next(
-            (one for one in (*text.keeps, *keeps) if (one in text.keeps) != (one in keeps)),
-            KeptTo(0, "the rules in another order"),
-        )
-        keeps_it = "keeps" if here in text.keeps else "doesn't keep"
-        other = "doesn't" if here in text.keeps else "does"
-        yield here.step, f"the text {keeps_it} to {here.rule}, and the program {other}"
-    told = list(_told(text))
+        yield _other_rule(text.keeps, keeps)
+    actions = list(_told(text))
     deeds = list(_meant(program, moving))
     for place, (step, deed) in enumerate(deeds):
-        found = told[place] if place < len(told) else None
+        found = actions[place] if place < len(actions) else None
         if found is None or not _same(found, deed):
-            yield step, f"the text does {_words(found)} where the program says {_words(deed)}"
+            yield step, f"the text does {_words(found)} where the program has {_words(deed)}"
             return
-    if len(told) > len(deeds):
-        yield None, f"the text does {_words(told[len(deeds)])} after the program's end"
+    if len(actions) > len(deeds):
+        yield None, f"the text does {_words(actions[len(deeds)])} after the program's end"
+
+
+def _other_rule(found: Sequence[KeptTo], wanted: Sequence[KeptTo]) -> tuple[int, str]:
+    """Return the step of the first KEEP rule in which a text and a program differ, and the difference in
+    words.
+    """
+    one = next((one for one in (*found, *wanted) if (one in found) != (one in wanted)), None)
+    if one is None:
+        return 0, "the text has the rules of KEEP in a different order than the program"
+    others = wanted if one in found else found
+    if any((other.step, other.words) == (one.step, one.words) for other in others):
+        return one.step, f"KEEP {one.words} has other numbers in the text than in the program"
+    has, lacks = ("text", "program") if one in found else ("program", "text")
+    return one.step, f"the {has} has KEEP {one.words} here, and the {lacks} doesn't"
 
 
 def _watched(watches: tuple[Watch, ...]) -> str:
@@ -100,13 +114,13 @@ def _watched(watches: tuple[Watch, ...]) -> str:
 def check_rests(text: ControllerText, start: Array, slack: Array) -> Iterator[Fault]:
     """Check the actions of a controller text as far as possible without its program.
 
-    Outputs and barriers (waits, branches and ends of loops) must be at rest or in the middle of a blend. A
-    slow RAPID must lead to the current position.
+    Outputs and barriers (waits, branches and ends of loops) must be at rest or in the middle of a blend. The
+    goal of a slow RAPID must be the current position.
 
     Args:
         text: the controller text, as the judge has read it.
         start: (n,) joint positions at the start of the text [deg or mm].
-        slack: (n,) largest distance between the printed ends of two branches that meet [deg or mm].
+        slack: (n,) largest allowed distance between the printed ends of two branches that meet [deg or mm].
     """
     yield from _not_at_rest(text)
     yield from _not_in_the_middle(text)
@@ -118,7 +132,7 @@ def check_rests(text: ControllerText, start: Array, slack: Array) -> Iterator[Fa
 
 
 def _searched_with_others(text: ControllerText) -> Iterator[Fault]:
-    """Check that a motion that an input ends (UNTIL) is the only motion between two barriers.
+    """Check that a motion with UNTIL, which an input ends, is the only motion between two barriers.
 
     The runtime streams all lines between two barriers together, and the input ends all of them.
     """
@@ -134,7 +148,9 @@ def _searched_with_others(text: ControllerText) -> Iterator[Fault]:
 
 
 def _legs(text: ControllerText) -> Iterator[list[int]]:
-    """Yield the numbers of the lines that move or set something, for each part between two barriers."""
+    """Yield, for each section of the text between two barriers, the numbers of the lines that move or set
+    something.
+    """
     leg: list[int] = []
     for item in (*text.course, None):
         if item is None or isinstance(item, Barred):
@@ -234,14 +250,15 @@ def _told(text: ControllerText) -> Iterator[Deed]:
 
 
 def _printable(text: str) -> str:
-    """Return a text in the form of the map: ASCII, on one line, without quotes."""
+    """Return a text as it is written in the map: ASCII, on one line, without quotes."""
     kept = "".join(one if " " <= one <= "~" and one != '"' else "?" for one in text)
     said = " ".join(kept.split())[:_LONGEST_NAME]
     return "" if said == "-" else said
 
 
 def _behind(run: Run, put: Put, entry: Entry) -> int:
-    """Return how many segments after a command's end an output is set; negative if it is set before the end.
+    """Return the number of segments from a command's end to the instant at which an output is set; negative
+    if the output is set before the end.
 
     An output is set when the next move line's segment begins.
     """
@@ -251,7 +268,8 @@ def _behind(run: Run, put: Put, entry: Entry) -> int:
 
 
 def _belongs_after(run: Run, put: Put, entry: Entry, following: Entry | None) -> bool:
-    """Return True if an output is set at the end of a command, and not nearer to the next command's end.
+    """Return True if an output is set near the end of a command, and the end of the next command is not
+    nearer.
 
     The following command may be as short as one segment.
     """
@@ -276,7 +294,7 @@ def _not_in_the_middle(text: ControllerText) -> Iterator[Fault]:
             if not blended:
                 yield (
                     None,
-                    f"line {put.line} sets {put.variable} while the robot moves, and no blend is there",
+                    f"line {put.line} sets {put.variable} while the robot moves, outside of any blend",
                 )
                 continue
             off = min((_behind(run, put, entry) for entry in blended), key=abs)
@@ -321,9 +339,9 @@ def _not_at_rest(text: ControllerText) -> Iterator[Fault]:
     before: object = None
     for item in text.course:
         if isinstance(item, Put | Barred) and isinstance(before, Run):
-            yield None, f"line {item.line} comes while the robot moves: no DWELL stands before it"
+            yield None, f"line {item.line} comes while the robot moves: there is no DWELL before it"
         if isinstance(item, Stood) and not isinstance(before, Barred):
-            yield None, f"line {item.line} is a RAPID, which belongs after a barrier and nowhere else"
+            yield None, f"line {item.line} is a RAPID, which is allowed only after a barrier"
         before = item
 
 
@@ -337,9 +355,10 @@ def _out_of_order(text: ControllerText) -> Iterator[Fault]:
 
 
 def _decided_unread(text: ControllerText) -> Iterator[Fault]:
-    """Report decisions that use inputs as they were read before, but that no earlier decision has read.
+    """Report decisions that reuse input values without being allowed to.
 
-    Such a decision belongs at the start of the second branch of the decision that reads these inputs.
+    A decision may reuse only the values that the innermost open WHEN has read (or itself reused), and only
+    directly after the start of this WHEN's second branch.
     """
     read: list[set[str]] = []
     before: Barred | None = None
@@ -348,10 +367,10 @@ def _decided_unread(text: ControllerText) -> Iterator[Fault]:
             if isinstance(item, Barred) and item.again and item.decided is not None:
                 needed = {one.variable for one in inputs_of(item.decided)}
                 if before is None or before.kind != "else" or not read or not needed <= read[-1]:
-                    yield None, f"line {item.line} decides by what wasn't read before it"
+                    yield None, f"line {item.line} decides by inputs that weren't read before it"
             before = item if isinstance(item, Barred) else None
         if isinstance(item, Barred) and item.kind == "when" and item.decided is not None:
-            # The inputs read at each open WHEN, innermost last.
+            # Remember the inputs that were read at each open WHEN, the innermost one last.
             known = read[-1] if item.again and read else {one.variable for one in inputs_of(item.decided)}
             read.append(known)
         elif isinstance(item, Barred) and item.kind == "end" and read:
@@ -359,17 +378,17 @@ def _decided_unread(text: ControllerText) -> Iterator[Fault]:
 
 
 def _after_an_end(text: ControllerText) -> Iterator[Fault]:
-    """Report actions in a branch that come after the end of the program, or of a pass of a loop.
+    """Report actions that come after the end of the program, or of a pass of a loop, in the same branch.
 
-    Such actions would never be streamed. Whether a branch ends the program or the pass follows from its last
-    barrier.
+    Such actions would never be streamed. The last barrier of a branch shows if it ends the program or the
+    pass.
     """
     ended: Barred | None = None
     for item in text.course:
         if ended is not None and not isinstance(item, Stood):
             if not isinstance(item, Barred) or item.kind not in ("else", "end", "endloop"):
                 what = "the program" if ended.kind in ("stop", "abort") else "a pass of a loop"
-                yield None, f"line {ended.line} ends {what}, and its way goes on after that"
+                yield None, f"line {ended.line} ends {what}, but its branch continues after it"
                 return
             ended = None
         if isinstance(item, Barred) and item.kind in ("stop", "abort", "next", "exit"):
@@ -379,8 +398,8 @@ def _after_an_end(text: ControllerText) -> Iterator[Fault]:
 def _stands_elsewhere(text: ControllerText, start: Array, slack: Array) -> Iterator[Fault]:
     """Report places in a text at which joint positions don't match.
 
-    A slow RAPID must lead to the current position; the branches of a WHEN and the exits of a loop must end at
-    the same position; a pass of a loop must end where the first pass begins.
+    The goal of a slow RAPID must be the current position; the branches of a WHEN and the exits of a loop must
+    end at the same position; a pass of a loop must end where the first pass begins.
     """
     standing = Standing(start)
     for item in text.course:
@@ -389,7 +408,7 @@ def _stands_elsewhere(text: ControllerText, start: Array, slack: Array) -> Itera
                 standing.at = points[-1]
             case Stood(line=line, point=point):
                 if (np.abs(point - standing.at) > slack).any():
-                    yield None, f"line {line + 2} leads away from where the robot stands"
+                    yield None, f"line {line + 2} moves away from the robot's position"
                 standing.at = point
             case Barred(kind=kind, line=line):
                 try:
@@ -400,4 +419,4 @@ def _stands_elsewhere(text: ControllerText, start: Array, slack: Array) -> Itera
                 if met is not None and (np.abs(met[0] - standing.at) > slack).any():
                     yield None, f"{met[1]} (line {line})"
     if standing.open:
-        yield None, "a loop has no end" if standing.open[-1].begins else "a way of a WHEN has no end"
+        yield None, "a loop has no end" if standing.open[-1].begins else "a branch of a WHEN has no end"

@@ -2,8 +2,8 @@
 
 The planner replaces a line around obstacles (`LineMove.avoids`) by several straight lines, its legs, and the
 judge compares the controller text with these. The planner is free to choose the corners between the legs:
-each leg is proved like any other line. It is not free in where the legs end, in their options and in their
-total duration, which are checked here.
+each leg is proved like any other line. The last leg must end at the line's goal, and the legs must have the
+line's options and its total duration. This is checked here.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from yarclang.hir import Gap, LineMove, PoseGoal, Program, Step
 from yarclang.robot.model import Array
 
 _EXACT = 1e-9
-"""Rounding allowed in a rotation, and in the sum of durations [s]."""
+"""Allowed rounding error of a rotation matrix, and of the sum of durations [s]."""
 
 
 def strayed(asked: Program, planned: Program) -> Diagnostic | None:
@@ -40,7 +40,7 @@ def strayed(asked: Program, planned: Program) -> Diagnostic | None:
     for step in asked.steps:
         if not (isinstance(step, LineMove) and step.avoids):
             if at >= len(planned.steps) or planned.steps[at] is not step:
-                return _finding("another command stands in its place", step, asked)
+                return _finding("another command is in its place", step, asked)
             at += 1
             continue
         legs = list[Step]()
@@ -58,14 +58,14 @@ def strayed(asked: Program, planned: Program) -> Diagnostic | None:
 
 
 def _fault(step: LineMove, legs: Sequence[Step]) -> str:
-    """Return in words what is wrong with the legs that replace a line; empty if nothing is."""
+    """Return the fault of the legs that replace a line, in words; empty if there is none."""
     last = legs[-1] if legs else None
     if not isinstance(last, LineMove) or last.goal is not step.goal:
-        return "its legs don't lead to its goal"
+        return "its legs don't end at its goal"
     total = 0.0
     for leg in legs:
         if not isinstance(leg, LineMove) or leg.avoids or leg.origin is not step.origin:
-            return "it is replaced by something else than straight legs"
+            return "it is replaced by steps that aren't straight legs"
         duration = leg.timing.duration
         if (duration is None) != (step.timing.duration is None) or (duration is not None and duration <= 0.0):
             return "its legs have other times"
@@ -76,7 +76,7 @@ def _fault(step: LineMove, legs: Sequence[Step]) -> str:
             return "its legs have other options"
         if leg is last:
             if leg.blend != step.blend or leg.search != step.search:
-                return "its last leg doesn't end as it does"
+                return "its last leg doesn't end as the command does"
         elif leg.search is not None or leg.blend is not None or not _is_pose(leg.goal, step.goal):
             return "a leg doesn't end at rest in a pose of its frame"
     if step.timing.duration is not None and abs(total - step.timing.duration) > _EXACT:
@@ -85,7 +85,9 @@ def _fault(step: LineMove, legs: Sequence[Step]) -> str:
 
 
 def _is_pose(goal: object, asked: object) -> bool:
-    """Return True if a goal is a rigid pose of the moving frame of `asked`, without any other property."""
+    """Return True if a goal is a rigid pose of the same moving frame as `asked`, and has no NEAR, no shift by
+    registers and no numbers from the source.
+    """
     if not isinstance(goal, PoseGoal) or not isinstance(asked, PoseGoal):
         return False
     if goal.near is not None or goal.told is not None or goal.shifted:
@@ -94,6 +96,7 @@ def _is_pose(goal: object, asked: object) -> bool:
 
 
 def _is_rigid(pose: Array) -> bool:
+    # A rotation matrix is orthogonal and has the determinant 1.
     turn = pose[:3, :3]
     return bool(
         pose.shape == (4, 4)

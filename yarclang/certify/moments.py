@@ -11,7 +11,7 @@ from yarclang.units import MM
 
 
 def span_text(begin: float, end: float, duration: float) -> str:
-    """Return in words a time span [s] of a motion and its share of the motion's duration [s]."""
+    """Return in words when a time span of a motion begins and ends, in s and in percent of the duration."""
     shares = (f"{100.0 * time / duration:.0f} %" for time in (begin, end))
     return f"from {begin:.3f} s to {end:.3f} s after its start ({' to '.join(shares)})"
 

@@ -11,9 +11,9 @@ from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from yarclang.units import MM
 
 _WIDE = 40
-"""Digits of intermediate decimal values, more than a double times 100 and its rounding need."""
+"""Number of significant digits of intermediate decimal values. No printed number has so many digits."""
 _DIGITS_OVER = 6
-"""Digits of a share slightly above 1."""
+"""Number of printed digits of a percentage slightly above 100."""
 _SLIGHTLY = 1.01
 
 
@@ -38,7 +38,8 @@ def _moved(value: float, unit: float, towards: float) -> float:
         # it.
         is_outside = missing <= 0.0 if towards > 0.0 else missing >= 0.0
         return found if is_outside else math.nextafter(found, towards)
-    # Two roundings, of the unit and of the quotient, by at most half a unit in the last place each.
+    # The unit and the quotient are each rounded by at most half a unit in the last place: move on by two
+    # numbers.
     return math.nextafter(math.nextafter(value / unit, towards), towards)
 
 
@@ -47,6 +48,7 @@ def _product_error(one: float, small: float, product: float) -> float:
 
     The method is Veltkamp's splitting of `one` (the constant is 2^27 + 1), then Dekker's product.
     """
+    # `high` has at most 26 bits, and so has the rest of `one`: both products with `small` are exact.
     split = 134217729.0 * one
     high = split - (split - one)
     return (high * small - product) + (one - high) * small
@@ -65,6 +67,7 @@ def down(value: float, decimals: int) -> str:
 def _decimals(value: float, decimals: int, rounding: str) -> str:
     if not math.isfinite(value):
         return "unproved"
+    # A Decimal represents every float exactly. Only the rounding below drops digits.
     exact = Decimal(value)
     step = Decimal(1).scaleb(-decimals)
     context = Context(prec=max(_WIDE, exact.adjusted() + decimals + 2), rounding=rounding)
@@ -89,9 +92,9 @@ def _digits(value: float, digits: int, rounding: str) -> str:
 
 
 def percent(share: float, decimals: int = 0) -> str:
-    """Return a share of a limit in percent, rounded up, without the percent sign.
+    """Return a fraction of a limit in percent, rounded up, without the percent sign.
 
-    A share slightly above the limit gets more digits, such as 100.001.
+    A fraction slightly above 1 is printed with more digits, such as 100.001.
     """
     if not math.isfinite(share):
         return "unproved"

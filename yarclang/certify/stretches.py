@@ -32,7 +32,7 @@ class Proved:
     """Everything that is proved about one motion.
 
     Attributes:
-        loads: loads of joints and motors (shares of their limits).
+        loads: loads of joints and motors, as fractions of their limits.
         deviation: distance from the programmed path.
         speed: speed of the moving frame; None for motions in joint space.
         blended: the blend after the motion, if any.
@@ -49,12 +49,14 @@ class Proved:
 
 
 WINDOW = 128
-"""Number of motions proved together: enough to make whole-array work efficient."""
+"""Number of motions that are proved together. With fewer, operations on whole arrays would be less efficient.
+"""
 AROUND = 3
 """Number of motions on either side of a window that take part in its proofs.
 
-Three are needed: a motion is cut where it meets its neighbour, the neighbour is cut where it meets the
-next motion, and that motion begins where the motion before it ends.
+Three are needed, for example before a window. The proof of the window's first motion depends on its corner
+with the first neighbour. The path of the first neighbour depends on its corner with the second one, and the
+second one begins where the third one ends.
 """
 
 Prove = Callable[[Judge, Layout], Mapping[int, Proved]]
@@ -94,19 +96,21 @@ def recalled(
     said, handled = None if forgets else _Said(layout, claims), judge.handled
     for window in _windows(layout):
         key: Hashable = None
-        found: tuple[Proved, ...] | None = None
+        cached: tuple[Proved, ...] | None = None
         if said is not None:
             first = window.around.start
             cells = tuple(
                 dict.fromkeys((row - first, handled.at(layout.places[row].step)) for row in window.around)
             )
             inner = (window.own.start - first, window.own.stop - first)
+            # The key contains everything on which the proofs depend: the robot, the cell's states, the
+            # tolerance, which rows are proved, and all numbers of the rows.
             key = ("proved", judge.robot, cells, judge.tolerance, inner, said.key(window.around))
-            found = memory.get(key)
-        if found is None:
+            cached = memory.get(key)
+        if cached is None:
             missing.append((key, window))
         else:
-            proofs |= _by_step(layout, window, found)
+            proofs |= _by_step(layout, window, cached)
     batches = list(_batches(missing))
     made = mapped(
         lambda batch: _proved(judge, layout, batch, prove), [[one for _, one in batch] for batch in batches]
@@ -114,7 +118,7 @@ def recalled(
     tell("certifying", 0, len(batches))
     for number, (batch, proved) in enumerate(zip(batches, made, strict=True)):
         if proved is None:
-            # This batch has a finding.
+            # If a batch has a finding, prove the whole text again in one piece.
             return prove(judge, layout)
         tell("certifying", number + 1, len(batches))
         for (key, window), one in zip(batch, proved, strict=True):
@@ -143,8 +147,7 @@ def _proved(
 def _batches(missing: Sequence[tuple[Hashable, _Window]]) -> Iterator[list[tuple[Hashable, _Window]]]:
     """Yield batches of windows that are proved together.
 
-    Short windows share a batch, up to `WINDOW` motions, so that a batch needs about the same time in any
-    text.
+    Short windows share a batch, up to `WINDOW` motions, so that all batches need about the same time.
     """
     batch: list[tuple[Hashable, _Window]] = []
     rows = 0
@@ -174,17 +177,19 @@ def _end_of(layout: Layout, begin: int, stop: int) -> int | None:
     The window has between `WINDOW` and 2 `WINDOW` motions. A hash of the goal of a nearby motion chooses one
     of the possible ends, so that an edit elsewhere in the text does not move the cuts between windows.
     """
-    best, found = -1, None
+    best, chosen = -1, None
     for row in range(begin + WINDOW, min(begin + 2 * WINDOW, stop - WINDOW + 1)):
         end = _end_by_itself(layout.places[row - AROUND].motion)
-        # The start of the motions before a window must be known without the motions before them.
+        # The proofs of a window include some motions before it. The start of these motions must be known even
+        # without the motions before them.
         if end is None or not all(place.size for place in layout.places[row - AROUND : row + AROUND]):
             continue
-        # The largest hash wins: a choice by the goals themselves, not by their places in the text.
+        # Choose the end with the largest hash: the choice depends on the goals, not on their places in the
+        # text.
         chance = crc32(end.tobytes())
         if chance > best:
-            best, found = chance, row
-    return found
+            best, chosen = chance, row
+    return chosen
 
 
 def _end_by_itself(motion: hir.Motion) -> Array | None:
@@ -233,7 +238,8 @@ class _Said:
         self._layout, self._claims = layout, claims
         self._control = layout.control.tobytes()
         self._row = layout.control.itemsize * layout.control.shape[1]
-        # Differences between neighbouring segments, which do not depend on the window's place in the text.
+        # Store the steps from one segment's control points to the next one's, since the steps do not depend
+        # on the window's place in the text.
         self._steps = np.diff(layout.at, prepend=0).tobytes()
         self._time = layout.time.tobytes()
         self._begins, self._ends = layout.begins.tobytes(), layout.ends.tobytes()
@@ -245,7 +251,8 @@ class _Said:
         points = _control(self._layout, segments)
         begin, end = segments.start * _NUMBER, segments.stop * _NUMBER
         return flat(
-            # A sequence that is cut in the middle has more control points than segments.
+            # Take all control points of these rows. Each sequence has three more of them than segments, even
+            # if it is cut in the middle.
             self._control[points.start * row : points.stop * row],
             self._steps[begin + _NUMBER : end],
             self._time[begin:end],
@@ -281,21 +288,22 @@ def _part(layout: Layout, windows: Sequence[_Window]) -> Layout:
     points, segments = 0, 0
     for window in windows:
         rows = window.around
-        own = _segments(layout, rows)
-        span = _control(layout, own)
+        segments_of = _segments(layout, rows)
+        span = _control(layout, segments_of)
         control.append(layout.control[span])
-        at.append(layout.at[own] - span.start + points)
-        time.append(layout.time[own])
-        shift = segments - own.start
+        at.append(layout.at[segments_of] - span.start + points)
+        time.append(layout.time[segments_of])
+        shift = segments - segments_of.start
         for row in rows:
             one = layout.places[row]
             places.append(replace(one, first=one.first + shift, last=one.last + shift))
-        # The neighbour that a cut row flows out of, or into, is not in this layout.
+        # Where a window is cut from a long stretch, mark that no motion flows into its first row, or that its
+        # last row flows into none: the neighbour isn't part of this layout.
         if rows.start < window.own.start:
             places[-len(rows)] = replace(places[-len(rows)], before=None)
         if rows.stop > window.own.stop:
             places[-1] = replace(places[-1], behind=None)
-        points, segments = points + span.stop - span.start, segments + own.stop - own.start
+        points, segments = points + span.stop - span.start, segments + segments_of.stop - segments_of.start
     chosen = [row for window in windows for row in window.around]
     return Layout(
         np.concatenate(control),

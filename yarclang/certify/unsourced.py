@@ -16,15 +16,14 @@ from yarclang.robot.model import Robot
 from yarclang.source import SourceFile, Span
 
 _MOST = 4
-"""Most lines of one kind that a note lists."""
+"""Largest number of items of one kind that a note lists. If there are more, the note states how many."""
 
 
 def told_program(
     content: ControllerText, robot: Robot, source: SourceFile, cell: Cell | None = None
 ) -> hir.Program:
-    """Return what the map of a controller text says about its program.
-
-    This covers the commands, the branches, and which commands move.
+    """Return a program with what the map of a controller text states: the commands, the branches, and which
+    commands move.
 
     Args:
         content: the controller text, as the judge has read it.
@@ -38,8 +37,8 @@ def told_program(
     for entry in content.entries:
         origin = hir.Origin(entry.index, entry.name, source, Span.on_line(entry.source_line, 1, 2))
         if entry.first is None:
-            # The map names commands without lines, but not their details. The end of the program is seen in
-            # the text itself.
+            # The map gives the names of commands without lines, but not their details. Barriers such as the
+            # end of the program are in the text itself.
             barrier = barriers.get(entry.step)
             steps.append(_way(origin, barrier) or hir.SetOutput(origin, hir.Signal("", ""), 0.0))
             continue

@@ -36,8 +36,8 @@ from yarclang.source import Span
 from yarclang.units import DEG, MM, MS
 
 _REMEDIES = {
-    "Y1159": "allow more (--tolerance), or take shorter segments (--tm)",
-    "Y1160": "allow more (--tolerance): the controller's numbers have 9 decimals at most",
+    "Y1159": "allow a larger tolerance (--tolerance), or use shorter segments (--tm)",
+    "Y1160": "allow a larger tolerance (--tolerance): the controller's numbers have at most 9 decimals",
     "Y1163": "compile the program again",
 }
 
@@ -85,7 +85,7 @@ class Judge:
         return self._handled[-1] if self._handled else Handled(self.program.cell, {}, {})
 
     def follow(self, layout: Layout) -> None:
-        """Follow the parts of the cell, which grippers move, through the whole text."""
+        """Trace where the parts of the cell are during the whole text, since grippers move them."""
         handled, findings = follow(layout, self.program, self.robot)
         self._handled.append(handled)
         self.findings.extend(findings)
@@ -116,15 +116,15 @@ class Judge:
     # Checks of the start, the times and the rests.
 
     def start(self, content: ControllerText) -> Array:
-        """Return the joint positions at the text's start (n,) [rad or m]; report others than the program's.
-
-        They must agree to the printed decimals.
+        """Return the joint positions at the text's start (n,) [rad or m], and report a difference from the
+        program's start. Both must agree to the printed decimals.
         """
         robot = self.robot
         start = reader_of(robot.controller).start(content, robot)
         q, allowed = start.q, start.exact
         weights = joint_weights(robot, self.tolerance)
         off = np.abs(q - self.program.start)
+        # The start may differ by the rounding of the printed decimals, but by no more than the tolerance.
         allowed = np.minimum(allowed * (1.0 + 1e-6) + 1e-12, 1.0 / weights)
         if (off > allowed).any():
             joint = int(np.argmax(off / allowed))
@@ -174,7 +174,7 @@ class Judge:
             stands = " ".join(f"{value:.9g}" for value in start / units)
             self.find(
                 "Y1153",
-                f"the header says that the text starts at {header.start}: it starts at {stands}",
+                f"the header says that the text starts at {header.start}, but it starts at {stands}",
                 None,
             )
         takes, claimed = content.schedule.lasting, header.lasting
@@ -182,10 +182,11 @@ class Judge:
         least = takes.least if takes.varies else takes.most
         off = max(abs(least - claimed.least), abs(takes.most - claimed.most))
         waits = (takes.fewest, takes.waits, takes.loops) != (claimed.fewest, claimed.waits, claimed.loops)
+        # Times are printed in ms: allow half a unit of the last decimal, and rounding.
         if off > 0.5e-3 + 1e-9 * takes.most or waits:
             self.find(
                 "Y1153",
-                f"the header says that the program takes {claimed.text()}: it takes {takes.text()}",
+                f"the header says that the program takes {claimed.text()}, but it takes {takes.text()}",
                 None,
             )
 
@@ -205,6 +206,8 @@ class Judge:
             outputs: variables of the program's outputs; None if the program is unknown.
         """
         units = self.robot.axis_units
+        # Where branches meet, each printed end is off by at most half a unit of its last decimal, so two ends
+        # differ by at most one unit.
         slack = np.minimum(10.0**-content.decimals, 1.0 / joint_weights(self.robot, self.tolerance) / units)
         for step, reason in check_rests(content, start / units, slack * (1.0 + 1e-6)):
             self.find("Y1165", reason, step)
@@ -227,7 +230,7 @@ class Judge:
                 )
 
     def standing(self, start: Array) -> None:
-        """Check that the start, to which a RAPID leads, is within the limits of the joints."""
+        """Check that the start, to which a RAPID moves the robot, is within the limits of the joints."""
         limits, units = self.robot.limits, self.robot.axis_units
         past = np.maximum(start - limits.upper, limits.lower - start) / units
         if past.max() > POSITION_UNITS:
@@ -249,19 +252,21 @@ class Judge:
             if (programmed := place.motion.timing.duration) is None:
                 continue
             duration = _duration(layout, place)
+            # Within a chain, compare the sums since its start, so that errors can't add up.
             drift += duration - programmed
             if isinstance(place.motion, hir.TimedMove):
                 self._table_time(place, duration, programmed)
                 continue
+            # The controller rounds the time of each segment by at most half a quantum.
             allowed = place.size * content.quantum / 2.0 + 1e-9
             chained = place.before is not None or place.behind is not None
             if chained and place.size:
-                # A chain has one segment time, so its seams can only be at whole segments.
+                # All segments of a chain have one duration, so its motions can only meet between segments.
                 allowed += float(layout.time[place.first]) / 2.0
             if abs(drift if chained else duration - programmed) > allowed:
                 self.find(
                     "Y1156",
-                    f"the motion takes {duration:.9g} s ({place.size} segments), programmed are "
+                    f"the motion takes {duration:.9g} s ({place.size} segments) instead of the programmed "
                     f"{programmed:.9g} s",
                     place.step,
                 )
@@ -271,8 +276,8 @@ class Judge:
         if abs(duration - programmed) > LATE * (1.0 + 1e-6):
             self.find(
                 "Y1156",
-                f"the motion takes {duration:.9g} s ({place.size} segments), its timetable {programmed:.9g} "
-                f"s; {LATE / MS:g} ms between are allowed",
+                f"the motion takes {duration:.9g} s ({place.size} segments), its timetable "
+                f"{programmed:.9g} s; a difference of {LATE / MS:g} ms is allowed",
                 place.step,
             )
 
@@ -330,25 +335,24 @@ class Judge:
             if speed is None or math.isnan(speed.programmed):
                 continue
             unit, name = (DEG, "deg/s") if speed.turns else (MM, "mm/s")
-            programmed = f"programmed are {speed.programmed / unit:.6g} {name}"
+            programmed = f"{speed.programmed / unit:.6g} {name} are programmed"
             if not speed.beyond <= 1.0 + KEPT:
                 self.find(
                     "Y1167",
-                    f"the moving frame goes up to {speed.beyond:.3%} of the speed that is allowed, "
-                    f"{programmed}",
+                    f"the moving frame reaches {speed.beyond:.3%} of its allowed speed; {programmed}",
                     place.step,
                 )
             elif math.isnan(speed.least):
                 self.find(
                     "Y1167",
-                    f"the moving frame never goes at its speed: at most {speed.largest / unit:.6g} {name}, "
-                    f"{programmed}",
+                    f"the moving frame never reaches its speed, but at most {speed.largest / unit:.6g} "
+                    f"{name}; {programmed}",
                     place.step,
                 )
             elif speed.least < speed.programmed * (1.0 - KEPT):
                 self.find(
                     "Y1167",
-                    f"the moving frame slows down to {speed.least / unit:.6g} {name} between its ramps, "
+                    f"the moving frame slows down to {speed.least / unit:.6g} {name} between its ramps; "
                     f"{programmed}",
                     place.step,
                 )
@@ -359,14 +363,17 @@ class Judge:
         self.findings.extend(findings)
         return apart
 
-    def zones(self, layout: Layout) -> dict[int, InZones]:
-        """Check that every watched body respects its zones."""
-        told, findings = find_zones(layout, self.robot, self.handled)
+    def zones(self, layout: Layout, blends: Mapping[int, Blended]) -> dict[int, InZones]:
+        """Check that every watched body respects its zones, and every motion its ceiling.
+
+        `blends` are the proved blends, by the step of the motion before the blend.
+        """
+        told, findings = find_zones(layout, self.robot, self.handled, blends)
         self.findings.extend(findings)
         return told
 
     def torques(self, layout: Layout) -> dict[int, Load]:
-        """Check motor torques, where masses and effort limits are known."""
+        """Check joint torques, if masses and effort limits are known."""
         loads, findings = find_torques(layout, self.robot, self.handled)
         self.findings.extend(findings)
         return loads
@@ -427,7 +434,9 @@ def _title(origin: hir.Origin) -> str:
 
 
 def _beside_any_jerk(place: Place) -> tuple[int, int]:
-    """Return the numbers of segments at both ends of a motion in blends with motions without a jerk limit."""
+    """Return, for the start and the end of a motion, the number of its segments that belong to a blend with a
+    motion without a jerk limit.
+    """
     before, behind = place.beside_any_jerk
     return (place.before or 0) // 2 * before, (place.behind or 0) // 2 * behind
 

@@ -1,4 +1,4 @@
-"""Options that choose a controller or a run, and the output of their errors."""
+"""Options that choose a controller or a run, and a context that prints errors of the connection."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 F = TypeVar("F", bound=Callable[..., Any])
 
 SIM = "sim"
-"""Value that is given instead of an address to start a simulator of the command's own."""
+"""Value of --to for a simulator that the command starts itself."""
 
 _SHAPE = re.compile(
     r"tcp://(?:\[(?P<six>[^\[\]]*)\]|(?P<host>[^\[\]:/@?#\s]*))(?::(?P<port>[^:/]*))?/?", re.ASCII
@@ -35,7 +35,8 @@ class Address:
     Attributes:
         host: host name or IP address.
         port: TCP port.
-        leash: clock of a simulator in this process, which waits for its client; None for another controller.
+        leash: clock of a simulator in this process; simulated time waits for the simulator's client. None for
+            another controller.
     """
 
     host: str
@@ -72,31 +73,31 @@ class AddressType(ParamType["Address | None"]):
             if self._sim:
                 return None
             self.fail(
-                "there is no simulator to talk to: give the address of one that runs, tcp://HOST:PORT",
+                "`sim` can't be used here: give the address of a running simulator, tcp://HOST:PORT",
                 param,
                 ctx,
             )
         if "://" not in text:
             self.fail(f"{text!r} isn't {self.name}: is tcp:// missing?", param, ctx)
         if not text.startswith("tcp://"):
-            self.fail(f"{text!r}: a controller is reached by tcp:// only", param, ctx)
+            self.fail(f"{text!r}: only tcp:// addresses are supported", param, ctx)
         found = _SHAPE.fullmatch(text)
         if found is None:
-            hint = ": an IPv6 address stands in [ ]" if text.count(":") > 2 else ""
+            hint = ": write an IPv6 address in [ ]" if text.count(":") > 2 else ""
             self.fail(f"{text!r} isn't tcp://HOST[:PORT]{hint}", param, ctx)
         host = found["six"] if found["six"] is not None else found["host"]
         if not (_SIX if found["six"] is not None else _HOST).fullmatch(host):
-            self.fail(f"{text!r}: {host!r} is no name or address of a host", param, ctx)
+            self.fail(f"{text!r}: {host!r} isn't a valid host name or IP address", param, ctx)
         port = found["port"]
         if port is None:
             return Address(host, _port())
         if not (port.isascii() and port.isdigit() and len(port) <= 5 and 0 < int(port) < 1 << 16):
-            self.fail(f"{text!r}: the port is a number from 1 to 65535", param, ctx)
+            self.fail(f"{text!r}: the port must be a number from 1 to 65535", param, ctx)
         return Address(host, int(port))
 
 
-def run_option(function: F, *, which: str = "Which run") -> F:
-    """Add --run NAME. Its help begins with `which`."""
+def run_option(function: F, *, which: str = "The run") -> F:
+    """Add --run NAME. The text `which` is the beginning of its help."""
     return click.option(
         "--run",
         "run",
@@ -107,14 +108,14 @@ def run_option(function: F, *, which: str = "Which run") -> F:
 
 
 def controller_options(function: F) -> F:
-    """Add --to and --robot, which name a controller that needs no run."""
+    """Add --to and --robot, for commands that reach a controller directly, without a run."""
     from yarclang.cli.options import complete_robots
 
     robot = click.option(
         "--robot",
         metavar="NAME|PATH",
         shell_complete=complete_robots,
-        help="With --to: the robot of the controller.",
+        help="With --to: the robot that the controller drives.",
     )
     to = click.option(
         "--to",
@@ -140,8 +141,8 @@ def check_controller_options(to: Address | None, robot: str | None, run: str | N
 
 @contextlib.contextmanager
 def trouble_is_said() -> Iterator[None]:
-    """Catch errors of the type Trouble in the context: print them with their remedies to standard error, then
-    exit with status 1.
+    """Catch the errors Trouble and Lost in the context: print them with their remedies to standard error,
+    then exit with status 1.
     """
     from yarclang.runtime.actions import Lost, Trouble
 

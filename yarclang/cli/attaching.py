@@ -34,7 +34,8 @@ if TYPE_CHECKING:
     from yarclang.simulated_cell.playing import SimulatedCell
 
 _ALONE = ("run", "exec")
-"""Commands that run one program. In all other commands of this kind users give orders."""
+"""Commands that run one program and then end. All other commands that drive a robot wait for orders of users.
+"""
 
 _QUICK = 1.5
 """Longest wait for a coordinator's greeting [s]. A coordinator that takes longer is not used."""
@@ -63,9 +64,9 @@ class Place:
 
     Attributes:
         address: address of the controller.
-        served: the running coordinator; None if the command starts a coordinator of its own.
+        served: the running coordinator; None if the command starts its own coordinator.
         own: True if the controller is a simulator that exists only as long as the command runs.
-        surroundings: the machines around the robot of such a simulator.
+        surroundings: the simulated machines around the robot, if `own` is True.
     """
 
     address: Address
@@ -99,7 +100,7 @@ def served_at(to: Address | None, robot: Callable[[], Robot | None]) -> Served |
 
 
 def _served(run: Run) -> Served | None:
-    """Return the coordinator of a run, if it serves other clients; else None."""
+    """Return the coordinator of a run; None if it doesn't answer, or doesn't serve other clients."""
     try:
         with Asked(str(run.path), name="looking", timeout=_QUICK) as robot:
             told = robot.welcome
@@ -120,7 +121,7 @@ def place_of(
     tells: bool = True,
     surroundings: SimulatedCell | None = None,
 ) -> Iterator[Place]:
-    """Yield the controller for a command that starts a coordinator of its own. The arguments are those of
+    """Yield the Place for a command that starts its own coordinator. The arguments are those of
     `controller`.
     """
     from yarclang.simulated_cell.playing import SimulatedCell
@@ -141,11 +142,11 @@ def place_served(served: Served, robot: Robot | None, options: dict[str, Any]) -
         if options.get(name):
             option = name.replace("_", "-")
             raise click.UsageError(
-                f"--{option}: {served.run.name} serves this robot; it is for `yarc serve` to say"
+                f"--{option}: {served.run.name} serves this robot; set it when starting `yarc serve`"
             )
     if robot is not None and robot.fingerprint != served.fingerprint:
         raise Trouble(
-            f"{served.run.name} serves another robot than {robot.name} as it is described here",
+            f"{served.run.name} serves another robot than {robot.name} as described here",
             "stop it, or name its robot",
             "Y1392",
         )
@@ -157,11 +158,11 @@ def check_cell(robot: Attached, named: str) -> None:
     """Check that a running coordinator uses the cell that the command line names.
 
     Raises:
-        Trouble: it uses another cell, or none.
+        Trouble: the coordinator uses another cell, or none.
     """
     known = robot.welcome.status.cell
     if known is None or not is_same_file(Path(known), Path(named)):
-        what = f"the command line names the cell {named}, the served robot keeps to {known or 'none'}"
+        what = f"the command line gives the cell {named}, the robot is served with {known or 'none'}"
         raise Trouble(what, "leave --cell out, or serve the robot with this cell", "Y1373")
 
 
@@ -227,10 +228,10 @@ def _attaching(served: Served, address: Address, robot: Robot | None) -> Attach:
 def tell_whether_ready(coordinator: Coordinator) -> None:
     """Report on the terminal why a connected robot can't move."""
     if coordinator.engine.lost:
-        click.echo(f"there is no connection yet: {coordinator.engine.lost}; it is tried again", err=True)
+        click.echo(f"no connection yet: {coordinator.engine.lost}; retrying", err=True)
     elif coordinator.inspection is not None and coordinator.inspection.errors:
         click.echo(checked_table(coordinator.inspection.errors), err=True)
-        click.echo("the robot isn't ready: nothing moves before all of this is as it must be", err=True)
+        click.echo("the robot isn't ready; it can't move until these checks pass", err=True)
 
 
 @asynccontextmanager
@@ -259,7 +260,7 @@ async def reached(
     if place.served is not None:
         yield _attaching(place.served, place.address, robot)
         return
-    assert robot is not None  # a coordinator is started for a known robot
+    assert robot is not None  # the command starts a coordinator, for which it knows the robot
     address = place.address
     ground = Ground(
         address.host,

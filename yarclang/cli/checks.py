@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """What `yarc check` does with each file.
+    """Settings of `yarc check` that apply to each file.
 
     Attributes:
         options: options of the command line.
@@ -40,8 +40,8 @@ class Task:
 
     @property
     def said(self) -> tuple[object, ...]:
-        """Return everything in this task that affects its results, as a part of the key under which they
-        are cached.
+        """Return everything in this task that affects the results. It is a part of the key under which the
+        results are cached.
         """
         shown = None if self.shown is None else sorted(self.shown)
         return (self.options.said, self.plans, self.fix, shown, sorted(self.chosen))

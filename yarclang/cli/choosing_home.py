@@ -17,15 +17,16 @@ if TYPE_CHECKING:
 
 
 def with_home(made: NewRobot, robot: Robot) -> tuple[NewRobot, Robot, tuple[str, ...]]:
-    """Choose the first HOME in which a new robot doesn't collide with itself and can hold its pose.
+    """Choose HOME for a new robot: the first candidate at which the robot doesn't collide with itself and its
+    motors can hold it. If there is none, choose the first candidate without a collision.
 
     Args:
         made: new robot with candidates for HOME, best first.
-        robot: the same robot, loaded with the first of them.
+        robot: the same robot, loaded with the first candidate.
 
     Returns:
-        The new robot and the loaded robot, both with this HOME, and notes about what is wrong with the HOME
-        if no candidate fits.
+        The new robot and the loaded robot, both with the chosen HOME, and notes about the faults of this
+        HOME, if it has any.
     """
     proposed = np.array([home.value for home in made.homes]) * robot.axis_units
     stands = np.flatnonzero(standing(robot, proposed).max(axis=1) <= STANDS)

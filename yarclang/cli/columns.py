@@ -8,16 +8,16 @@ from typing import Literal
 from yarclang.frozen import frozen
 
 LONGEST_PLACE, SHORTEST_PLACE = 48, 16
-"""Largest number of characters of a command's place on a terminal. On a narrow terminal, places are cut to
-the smaller of both numbers before a column is left out.
+"""Largest number of characters of a command's place on a wide terminal, and on a narrow one. On a narrow
+terminal, places are cut to the second number before a column is left out.
 """
 LEAST_PLACE = 8
-"""Number of characters to which places of commands are cut before the column with the largest share of a
-limit is left out.
+"""Smallest number of characters to which places of commands are cut. They are cut so far only to keep the
+column with the largest share of a limit.
 """
 
 _LONG_NAME = 4
-"""Length of a joint's name above which a narrow table shows numbers instead of names."""
+"""Number of characters of a joint's name above which a narrow table shows joint numbers instead of names."""
 
 
 @frozen

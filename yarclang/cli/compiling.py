@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """What yarcc does with each file.
+    """Settings of yarcc that apply to each file.
 
     Attributes:
         options: options of the command line.
@@ -113,7 +113,7 @@ def destinations_of(
         inside = path not in ("", STANDARD) and os.path.isdir(path)  # noqa: PTH112 (Path.is_dir raises where a folder can't be searched)
         if inside and folder is None:
             raise click.UsageError(
-                f"{path} is a folder: say with --out-dir where the {what} of its programs go"
+                f"{path} is a folder: give the folder for the {what} of its programs with --out-dir"
             )
         for file in programs([path]) if inside else [path]:
             where = folder / os.path.relpath(Path(file).parent, path) if inside and folder else folder

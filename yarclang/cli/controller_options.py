@@ -41,7 +41,7 @@ def patience_option(function: F) -> F:
         "--patience",
         type=PositiveNumber("S", _LEAST_PATIENCE, _MOST_PATIENCE),
         help="Longest silence of this computer and the link before the controller holds, s (default: 0.4, "
-        "or what the link needs). The robot of a dead computer moves on for so long.",
+        "or what the link needs). If this computer fails, the robot keeps moving for this time.",
     )(function)
 
 
@@ -81,8 +81,8 @@ def motion_options(function: F) -> F:
             multiple=True,
             type=_Setting(),
             help=(
-                "An input of the simulated robot and its value from the start: ON, OFF or a number. May be "
-                "given several times."
+                "Initial value of an input of the simulated robot: ON, OFF or a number. May be given "
+                "several times."
             ),
         ),
         click.option(
@@ -103,15 +103,20 @@ def motion_options(function: F) -> F:
 
 
 def run_options(function: F) -> F:
-    """Add the program, the controller, and the first command."""
+    """Add the argument for the program, and the options for the controller, the first command and the motion
+    to it.
+    """
     for option in (
         click.option(
-            "--from", "first", metavar="P0010", help="Begin at this command; the way to its start is planned."
+            "--from",
+            "first",
+            metavar="P0010",
+            help="Begin at this command; a motion to its start is planned.",
         ),
         click.option(
             "--approach",
             is_flag=True,
-            help="Move slowly to the program's start first, if the robot isn't there.",
+            help="If the robot isn't at the program's start, move there slowly first.",
         ),
         click.option(
             "--source",
@@ -134,9 +139,10 @@ def check_controller_usage(to: Address | None, options: dict[str, Any]) -> None:
     if options["log"] and options["no_log"]:
         raise click.UsageError("--log and --no-log exclude each other")
     if options["rate"] and to is not None:
-        raise click.UsageError("--rate is for the simulator: a controller's time can't be hurried")
+        raise click.UsageError("--rate works only with the simulator: a controller runs in real time")
     for name in ("set", "inputs"):
         if options[name] and to is not None:
             raise click.UsageError(
-                f"--{name} is for a simulated robot: what is connected to a controller sets its inputs"
+                f"--{name} is for a simulated robot: the inputs of a controller are set by the connected "
+                "devices"
             )

@@ -42,7 +42,7 @@ def controller(
         robot: robot of the controller.
         stands: (n,) initial position of a simulated robot [rad or m].
         rate: simulated seconds per second of real time.
-        tells: True to report that the robot is simulated.
+        tells: True to print that the robot is simulated.
         surroundings: the machines around a simulated robot.
 
     Raises:

@@ -37,8 +37,8 @@ _SAME = 1e-6
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Axes:
-    """Joint names and units of a robot that is known only from the coordinator's messages. These give
-    positions in deg and mm.
+    """Joint names and units of a robot that is known only from the coordinator's messages. Positions in these
+    messages are in deg and mm.
     """
 
     joint_names: tuple[str, ...]
@@ -50,13 +50,13 @@ class Axes:
 
     @classmethod
     def of(cls, status: Status) -> Axes:
-        """Return the joints whose positions a status names."""
+        """Return the joints whose positions a status contains."""
         return cls(tuple(one.name for one in status.joints))
 
 
 _MANY, _FEW = 200, 4
-"""A program with more than `_MANY` commands is long. If `_FEW` or more of its commands have begun since the
-last output, one line shows them all.
+"""A program with more than `_MANY` commands counts as long. If at least `_FEW` commands of a long program
+have begun since the last output, one line shows them all.
 """
 _SELDOM = 1.0
 """Shortest time between two lines about the commands of a long program [s]."""
@@ -109,7 +109,9 @@ class Display:
                 )
 
     def _begin(self, part: PartBegan) -> None:
-        """Prepare the display for a job, which is the whole program or a part of it and begins now."""
+        """Prepare the display for a job that begins now: the whole program, a part of it, or a motion outside
+        of it (to its start, or a way out).
+        """
         program = self._program
         beside = part.to_the_start or part.leads_out
         again = part.number > 1 and not beside
@@ -127,7 +129,9 @@ class Display:
         ]
 
     def _of_program(self, progress: Progress) -> Progress:
-        """Convert the progress of a job that is a part of the program to that of the whole program."""
+        """Convert the progress of a job to the progress of the whole program, of which the job may be a
+        part.
+        """
         left = progress.left + self._behind / max(self._picture.override / 100.0, 0.01)
         return replace(progress, left=left, command=self._instead or progress.command)
 
@@ -160,9 +164,9 @@ class Display:
     def _begun(self, done: float, now: float) -> list[str]:
         """Return lines for the commands that have begun since the last call.
 
-        When the last command of the program has begun, lines for all remaining commands are returned,
-        including those that were never reported. For a long program there is output only from time to time:
-        one line for several commands.
+        For a long program, nothing is returned within `_SELDOM` after the last output, unless the program's
+        last command has begun. If at least `_FEW` commands of a long program have begun, one line shows them
+        all.
 
         Args:
             done: how far the program is [s].
@@ -180,7 +184,7 @@ class Display:
         return [f"{begun[0].title} to {begun[-1].title}, {len(begun):,} commands  {times} of {whole}"]
 
     def _command_line(self, command: ProgramCommand) -> str:
-        """Return a command with its time."""
+        """Return the line that shows a command and its times."""
         begins, ends = time_text(command.begins_s), time_text(command.ends_s)
         return f"{command.title}  {begins} to {ends} of {self._lasting.text(time_text)}"
 
@@ -204,7 +208,7 @@ def _progress(event: ProgressMade) -> Progress:
 
 
 def _command_of(program: ProgramDescribed, progress: Progress) -> ProgramCommand | None:
-    """Return the command that is being executed. If several commands have its name and line, such as in a
+    """Return the command that is being executed. If several commands have the reported name and line, as in a
     loop, choose by time.
     """
     found = [

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from yarclang.cli.garbage import end_quietly
+from yarclang.cli.interrupts import repeat_lost_interrupts
 
 if TYPE_CHECKING:
     from yarclang.diagnostics import Diagnostic
@@ -26,6 +27,7 @@ class Door(click.Command):
             if isinstance(stream, io.TextIOWrapper):
                 stream.reconfigure(errors="backslashreplace")
         end_quietly()
+        repeat_lost_interrupts()
         return super().main(*args, **extra)
 
     def invoke(self, ctx: click.Context) -> Any:

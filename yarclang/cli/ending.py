@@ -55,7 +55,8 @@ class Ending:
         Args:
             ended: the end.
             status: status of the robot before the end.
-            option: option that moves the robot to the start when continuing, if it isn't the usual one.
+            option: option with which the next run first moves the robot to its start; empty for the usual
+                option.
         """
         what, remedy = self.filled(ended.what or ""), self.filled(ended.help or "")
         if ended.state is State.STOP and not ended.code:
@@ -65,9 +66,9 @@ class Ending:
         else:
             yield error_text(what, remedy)
         if ended.joints is None and ended.moved:
-            yield "  where it stands isn't known: look at the robot"
+            yield "  its position is unknown: inspect the robot"
         elif ended.joints is not None:
-            yield f"  {status.robot} stands at {joints_text(ended.joints, status)}"
+            yield f"  {status.robot} is at {joints_text(ended.joints, status)}"
         if not ended.moved:
             yield "  nothing had moved"
         elif ended.on_the_way:
@@ -89,7 +90,7 @@ class Ending:
         """
         option = f"--from {shlex.quote(ended.go_on)}" if ended.go_on else ""
         if not ended.is_motion:
-            yield f"  it stood at {ended.command}"
+            yield f"  it was at {ended.command}"
         elif ended.resting is not None:
             yield f"  on its path, in {ended.resting.title}, {ended.resting.done_s:.2f} s into the program"
         else:
@@ -100,12 +101,13 @@ class Ending:
     def going_on(self, option: str) -> Iterator[str]:
         """Yield the command line for continuing, if there is one."""
         if self._again:
-            yield f"  to go on: {self._again} {option}".rstrip()
+            yield f"  to continue: {self._again} {option}".rstrip()
 
     @property
     def _first_option(self) -> str:
-        """Return the option by which the robot moves to where the program began: `--from` with its first
-        command if it began inside the program, else `--approach`.
+        """Return the option that moves the robot, before the next run, to the place where this run began:
+        `--from` with the first executed command if the run began in the middle of the program, else
+        `--approach`.
         """
         program = self._program
         within = program is not None and program.begins_within and program.first

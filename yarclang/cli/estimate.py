@@ -14,13 +14,14 @@ _STAGES = (
     ("reading", 6.0, 1.0),
     ("checking", 8.0, 1.0),
     ("planning", 45.0, 0.5),
-    ("writing the controller's text", 6.0, 1.0),
+    ("writing the controller text", 6.0, 1.0),
     ("certifying", 33.0, 1.0),
-    ("looking for what else", 2.0, 1.0),
+    ("looking for warnings and notes", 2.0, 1.0),
 )
-"""Stages of a compilation in their order. Each has the beginning of its report, its relative duration, and
-the share of it that is done when its count is complete. The durations were measured with long chains of
-lines. The share of planning is 0.5, because motions are counted before they are joined to chains.
+"""Stages of a compilation in their order. Each has three values: the text with which its reports begin, its
+relative duration, and the share of the stage that is done when its count is complete. The durations were
+measured with long chains of lines. For planning the share is 0.5, because the count is complete before the
+motions are joined to chains.
 """
 
 _WHOLE = sum(weight for _, weight, _ in _STAGES)
@@ -82,7 +83,7 @@ class Estimate:
         self._reach(stage, max(inside, self._passed(stage, now)))
 
     def share(self, now: float) -> float:
-        """Return the share of all files that is done, 0 to 1."""
+        """Return the share of the work on all files that is done, 0 to 1."""
         if self._stage >= 0:
             self._reach(self._stage, self._passed(self._stage, now))
         return (self.file + self._share) / max(self.files, 1)
@@ -123,14 +124,14 @@ class Estimate:
 
 
 _EVEN = 0.7
-"""Share of the expected time of a stage up to which the displayed progress is linear. After that, it slows
-down.
+"""Share of a stage's expected time up to which the displayed progress is linear. After that time the
+displayed progress slows down.
 """
 
 
 def _eased(share: float) -> float:
-    """Return the share of a stage to display as done after a share of the expected time; always less than
-    1.
+    """Return the share of a stage that is displayed as done, after the share `share` of the stage's expected
+    time has passed. The result is always less than 1.
     """
     if share < _EVEN:
         return share
@@ -138,7 +139,7 @@ def _eased(share: float) -> float:
 
 
 def left_text(seconds: float | None) -> str:
-    """Format the remaining time, rounded to its accuracy."""
+    """Format the remaining time. It is rounded, since it is only an estimate."""
     if seconds is None:
         return ""
     if seconds < 5.0:

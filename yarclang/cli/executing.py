@@ -30,14 +30,14 @@ from yarclang.report.finding import finding_json
 from yarclang.runtime.actions import Lost, Trouble
 
 _LAST_WORDS = 5.0
-"""Longest time that a reader has to read the last lines [s]."""
+"""Longest time that the command waits at its end for a reader to read the last lines [s]."""
 
 
 class Lines:
-    """JSON lines on standard output. A thread of its own writes them, so that a slow or closed reader delays
-    no robot.
+    """JSON lines on standard output. A separate thread writes them, so that a slow or closed reader doesn't
+    delay the robot.
 
-    Events that arrive during a write stay in their stream, which is bounded, and aren't collected here.
+    Events that arrive during a write wait in the coordinator's stream of events, whose length is limited.
     """
 
     def __init__(self) -> None:
@@ -77,7 +77,7 @@ class Lines:
                     sys.stdout.flush()
                 except (OSError, ValueError):
                     gone = True  # the run continues without readers
-            with contextlib.suppress(RuntimeError):  # the loop has ended
+            with contextlib.suppress(RuntimeError):  # the event loop has ended
                 written()
         if gone:
             with contextlib.suppress(OSError):  # leave nothing for the interpreter to flush
@@ -145,12 +145,10 @@ def status_of(work: Coroutine[Any, Any, int], lines: Lines) -> int:
     except Trouble as trouble:
         lines.say(refused_line(trouble.what, trouble.remedy, trouble.code))
     except asyncio.CancelledError:
-        what = (
-            "given up: the process that serves the robot doesn't answer, and nobody knows what the robot does"
-        )
-        lines.say(refused_line(what, "look at the robot", "Y1606"))
+        what = "given up: the process that serves the robot doesn't answer, so the robot's state is unknown"
+        lines.say(refused_line(what, "inspect the robot", "Y1606"))
     except Lost as lost:
-        lines.say(refused_line(f"the connection was lost: {lost}", "look at the robot", "Y1606"))
+        lines.say(refused_line(f"the connection was lost: {lost}", "inspect the robot", "Y1606"))
     return 1
 
 
@@ -230,17 +228,17 @@ def _finding(one: Finding) -> dict[str, Any]:
 
 
 def not_repeated(program: ProgramDescribed, options: dict[str, Any]) -> dict[str, Any] | None:
-    """Return the event that refuses a program which is to be repeated but can't be; None for any other
-    program.
+    """Return the event that refuses to repeat a program. Return None if no repetition was requested, or if
+    the program can be repeated.
     """
     if options["times"] <= 1 or not program.not_looped:
         return None
-    what = f"{program.name} doesn't end where it starts, so that it can't be repeated: {program.not_looped}"
-    return refused_line(what, "end it with a motion to its start")
+    what = f"{program.name} can't be repeated, since it doesn't end where it starts: {program.not_looped}"
+    return refused_line(what, "add a last motion to its start")
 
 
 async def tell(stream: Subscription, lines: Lines) -> None:
-    """Write events as lines, as fast as they are read."""
+    """Write events as lines. Wait after each line until it is written."""
     async for event in stream:
         await lines.put(event.to_json())
 
@@ -285,7 +283,8 @@ class Signals:
             and self.attached.silence > SILENT
             and self._task is not None
         ):
-            self._task.cancel()  # there is no coordinator to stop it
+            # the coordinator doesn't answer, so it can't stop the robot and end this task
+            self._task.cancel()
             return
         self.ended = True
         self._tell_end()

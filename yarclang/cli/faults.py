@@ -12,7 +12,7 @@ from yarclang.source import SourceFile, Span
 
 
 class Placed(Protocol):
-    """Interface of a place in a source. `note` gives the reason if the source is unknown."""
+    """Interface of a place in a program's source. If the source is unknown, `note` gives the reason."""
 
     @property
     def file(self) -> str:

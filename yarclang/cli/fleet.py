@@ -54,9 +54,11 @@ class Fleet:
         Args:
             work: function that computes the result for a file.
             files: paths; `-` for standard input, which only this process can read.
-            name: function that returns what distinguishes the work for a file from other work.
-            is_lasting: function that returns True for a result that would be the same the next time.
-            lost: function that returns the result for a file whose processes were ended.
+            name: function that returns a key for the work on a file. The key must contain everything on which
+                the result depends, except the contents of files.
+            is_lasting: function that returns True if a result may be stored for later calls, because the same
+                work would have the same result the next time.
+            lost: function that returns the result for a file whose processes were killed.
 
         Raises:
             click.ClickException: the scheduler can't be used.
@@ -122,19 +124,19 @@ class Fleet:
 
     @property
     def remark(self) -> str:
-        """Return how many results of earlier calls were reused, and problems of the cache; empty if there is
-        nothing to report.
+        """Remark on the number of reused results, and on problems of the cache; empty if there is nothing to
+        report.
         """
         remarks = []
         if self._doing is not None and self._doing.reused:
-            remarks.append(f"{self._doing.reused:,} as before (--no-cache computes all again)")
+            remarks.append(f"{self._doing.reused:,} as before (--no-cache computes everything again)")
         if self._store is not None and self._store.trouble:
             remarks.append(f"the cache can't be used: {self._store.trouble}")
         return "; ".join(remarks)
 
 
 def _said(made: Iterator[R]) -> Iterator[R]:
-    """Yield results. If the scheduler can't be used, raise a usage error."""
+    """Yield the results of `made`. If the scheduler can't be used, raise a click.ClickException."""
     from yarclang.fleet.outcome import UnreachableError
 
     try:
@@ -144,11 +146,13 @@ def _said(made: Iterator[R]) -> Iterator[R]:
 
 
 def ended(file: str, lost: Lost) -> Diagnostic:
-    """Return the finding for a file whose processes were ended."""
+    """Return the finding for a file that has no result because the processes that worked on it were
+    killed.
+    """
     from yarclang.diagnostics import Diagnostic
     from yarclang.source import SourceFile, Span
 
-    message = f"nothing is known of {file}: {lost.reason}"
+    message = f"{file} has no result: {lost.reason}"
     return Diagnostic(
         "Y2004", message, SourceFile(file, ""), Span.on_line(1, 1, 1), "try --jobs 1, or check it alone"
     )

@@ -21,7 +21,7 @@ from yarclang.robot.model import Robot
 from yarclang.runtime.actions import Trouble
 
 _EACH = 0.02
-"""Time after which the robot is checked for rest again [s]."""
+"""Time between two checks whether the robot is at rest [s]."""
 
 
 def follow(robot: Robot, place: Place, options: dict[str, Any], lines: Lines) -> int:
@@ -48,7 +48,7 @@ def _door(options: dict[str, Any]) -> Door:
 
 @contextlib.contextmanager
 def _known(server: MasterServer, token_file: Path | None) -> Iterator[dict[str, Any]]:
-    """Publish the address at which steering processes connect, and the token.
+    """Publish the address and the token with which another process connects to move the robot.
 
     Yields:
         The event with the address.
@@ -92,7 +92,7 @@ async def _follow(whose: Robot, place: Place, options: dict[str, Any], lines: Li
             released = await robot.ask(orders.Release())
     path, sound = log_line(released.log, lines)
     said = {"status": int(not sound), "well": True, "joints": stands, "log": path}
-    lines.say({**refused_line("a termination has come", ""), **said})
+    lines.say({**refused_line("the process was asked to terminate", ""), **said})
     return int(not sound)
 
 

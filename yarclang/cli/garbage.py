@@ -9,7 +9,7 @@ import os
 import sys
 
 _ALIVE = 200_000
-"""Number of new objects after which Python collects garbage. A long program has a million objects."""
+"""Number of new objects after which Python collects garbage. A long program creates a million objects."""
 
 
 def seldom_look_for_garbage() -> None:
@@ -19,7 +19,7 @@ def seldom_look_for_garbage() -> None:
     would scan all objects once more, which takes a twentieth of the time for 10,000 lines.
     """
     gc.set_threshold(_ALIVE, 20, 20)
-    atexit.unregister(gc.freeze)  # only once for all files
+    atexit.unregister(gc.freeze)  # register it once, even if this function is called for each file
     atexit.register(gc.freeze)
 
 

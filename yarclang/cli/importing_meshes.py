@@ -52,7 +52,7 @@ def import_cloud(
     from yarclang.units import MM
 
     if voxel is None:
-        raise click.UsageError("a point cloud becomes cubes: --voxel MM says of which edge")
+        raise click.UsageError("a point cloud is converted to cubes: give their edge with --voxel MM")
     unit = _unit_of("a point cloud", units)
     destination = _destination("a point cloud", file, output)
     made = mesh_of_cloud(Path(file), unit, voxel * MM)
@@ -70,13 +70,13 @@ def import_heights(
         output: path of the STL file; None for beside the input.
         units: units of the heights; only a length is allowed.
         spacing: distance of neighbouring heights [mm].
-        every: number of spacings that become one cell of the mesh.
+        every: edge length of a cell of the mesh, as a number of spacings.
     """
     from yarclang.convert.heights import mesh_of_heights
     from yarclang.units import MM
 
     if spacing is None:
-        raise click.UsageError("heights are a grid: --spacing MM says how far neighbours are apart")
+        raise click.UsageError("a height field needs the spacing of its grid: give it with --spacing MM")
     unit = _unit_of("a height field", units)
     destination = _destination("a height field", file, output)
     made = mesh_of_heights(Path(file), unit, spacing * MM, every)
@@ -88,7 +88,7 @@ def import_heights(
 def _unit_of(what: str, units: Mapping[Any, Unit] | None) -> float:
     """Return the unit of length [m] for a file that doesn't name its unit."""
     if units is None or set(units) != {"length"}:
-        raise click.UsageError(f"{what} doesn't say its unit: give --units m, or --units mm")
+        raise click.UsageError(f"{what} doesn't name its unit: give --units m, or --units mm")
     return units["length"].factor
 
 
@@ -99,7 +99,7 @@ def _destination(what: str, file: str, output: str | None) -> str:
         raise click.UsageError(f"{destination}: the mesh of {what} is an .stl file")
     refuse_collisions([file], [(destination, "the mesh")])
     if output is None and Path(destination).exists():
-        raise click.UsageError(f"{destination} is there already; write elsewhere, or over it, with -o")
+        raise click.UsageError(f"{destination} exists already; replace it, or write elsewhere, with -o")
     return destination
 
 
@@ -126,7 +126,7 @@ def _write(file: str, destination: str, made: Result[T]) -> T:
 
 def _say(destination: str, found: _Meshed, what: str, how: str) -> NoReturn:
     """Print what was written and the line for a cell.toml, and exit."""
-    left_out = f" ({found.left_out:,} left out, which are no numbers)" if found.left_out else ""
+    left_out = f" ({found.left_out:,} left out, which aren't numbers)" if found.left_out else ""
     if destination != STANDARD:
         click.echo(
             f"written to {destination}: {what}{left_out} {how}, {found.triangles:,} triangles; "

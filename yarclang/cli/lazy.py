@@ -20,7 +20,7 @@ class LazyGroup(Door, click.Group):
 
     Args:
         commands_by_section: for each section of --help, its commands and their summaries.
-        prefix: prefix of the names of the commands' modules.
+        prefix: beginning of the names of the commands' modules.
         on_unix: commands that work with a robot. They need Unix sockets, locks and signals.
     """
 
@@ -74,7 +74,7 @@ class LazyGroup(Door, click.Group):
         name, command, more = super().resolve_command(ctx, args)
         if name in self.on_unix and not hasattr(os, "fork") and not {"-h", "--help"} & {*more}:
             raise click.ClickException(
-                f"{ctx.command_path} {name} works with a robot, and needs Unix sockets and locks, which "
-                "this system lacks: use Linux. Programs can be checked, compiled, plotted and viewed here"
+                f"{ctx.command_path} {name} needs Unix sockets and locks, which this system doesn't "
+                "have: use Linux. Programs can be checked, compiled, plotted and viewed here"
             )
         return name, command, more

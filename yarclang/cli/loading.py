@@ -34,7 +34,7 @@ def source_of(file: str, first: str | None, options: dict[str, Any]) -> Source:
         click.UsageError: an option isn't allowed for the file.
     """
     if options.get("source") is not None and not is_compiled(file):
-        raise click.UsageError("--source: only with a .pmc, which it is the program of")
+        raise click.UsageError("--source can be used only with a .pmc: it names its program")
     return Source(
         file,
         None,
@@ -58,8 +58,8 @@ def load(source: Source) -> tuple[Loaded | None, Found]:
 
 
 def load_order(source: Source, *, recover: bool = False) -> orders.Load:
-    """Return the order by which the coordinator loads a program, either to run it or only to move the robot
-    to it. Standard input is read here.
+    """Return the order by which the coordinator loads a program: to run it or, with `recover`, only to move
+    the robot to its start. Standard input is read here.
     """
 
     def absolute(path: str | None) -> str | None:

@@ -15,12 +15,12 @@ import click
 from yarclang.cli.lazy import LazyGroup
 
 _EXIT = (
-    ("0", "All is well: programs have no error, a run came to its end, two programs are equal."),
-    ("1", "A program has an error, or what was asked for failed; the message says what, and what to do."),
-    ("2", "The command was called in a way that it doesn't have."),
+    ("0", "Success: the programs have no error, the run came to its end, the two programs are equal."),
+    ("1", "A program has an error, or the command failed; the message names the cause and the remedy."),
+    ("2", "The command was called with wrong options or arguments."),
 )
 _FURTHER = {
-    "yarc verify": (("3", "Nothing is wrong in what was checked, and something wasn't: the list says what."),)
+    "yarc verify": (("3", "All checked properties hold, but some weren't checked: they are listed."),)
 }
 _SPECIAL = re.compile(r"([\\-])")
 
@@ -101,7 +101,7 @@ def _page(context: click.Context, version: str) -> str:
 
 def _others(context: click.Context) -> list[str]:
     """Return the titles of the pages to which a command's page refers: those of its group and of its own
-    commands.
+    commands. The pages of yarc and yarcc refer to each other.
     """
     found = [_title(context.parent)] if context.parent is not None else []
     if isinstance(context.command, click.Group):
@@ -112,8 +112,8 @@ def _others(context: click.Context) -> list[str]:
 
 
 def _paragraphs(help_: str) -> list[str]:
-    """Return the paragraphs of a help text, each on one line. Lines that click isn't to wrap stay
-    separate.
+    """Return the paragraphs of a help text, each as one line. A paragraph that is marked as not to be wrapped
+    keeps its separate lines.
     """
     text = inspect.cleandoc(help_).partition("\f")[0]
     found = []

@@ -29,17 +29,17 @@ def _codes(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[
 
 
 def file_argument(name: str, *, required: bool = True, **settings: Any) -> Callable[[F], F]:
-    """Add the programs to read, with completion of paths. `-` is standard input."""
+    """Add an argument for the programs to read, with completion of paths. `-` is standard input."""
     return click.argument(name, required=required, type=click.Path(allow_dash=True), **settings)
 
 
 def robot_argument(name: str, **settings: Any) -> Callable[[F], F]:
-    """Add robots, completed by name."""
+    """Add an argument for robots, with completion of their names."""
     return click.argument(name, shell_complete=complete_robots, **settings)
 
 
 def code_argument(name: str, **settings: Any) -> Callable[[F], F]:
-    """Add codes of findings, with completion."""
+    """Add an argument for codes of findings, with completion."""
     return click.argument(name, shell_complete=_codes, **settings)
 
 
@@ -60,13 +60,11 @@ class Numbers(ParamType[tuple[float, ...]]):
         except ValueError:
             self.fail(f"{value!r} isn't a list of numbers separated by commas", param, ctx)
         if not all(math.isfinite(number) for number in numbers):
-            self.fail(f"{value!r} has a value that isn't finite", param, ctx)
+            self.fail(f"{value!r} has a value that isn't a finite number", param, ctx)
         if self.positive and min(numbers) <= 0:
-            self.fail(f"{value!r}: only positive numbers make sense here", param, ctx)
+            self.fail(f"{value!r}: all numbers must be positive", param, ctx)
         if self.most is not None and len(numbers) > self.most:
-            self.fail(
-                f"{value!r} has {len(numbers)} numbers, at most {self.most} make sense here", param, ctx
-            )
+            self.fail(f"{value!r} has {len(numbers)} numbers; at most {self.most} are allowed", param, ctx)
         return numbers
 
 
@@ -106,7 +104,7 @@ def cell_option(function: F) -> F:
         "--cell",
         type=click.Path(dir_okay=False),
         metavar="FILE.toml",
-        help="What is around the robot, of programs without a CELL line (default: the cell of yarc.toml).",
+        help="The cell, for programs without a CELL line (default: the cell of yarc.toml).",
     )(function)
 
 
@@ -195,7 +193,7 @@ def fleet_options(function: F) -> F:
         "--no-cache",
         is_flag=True,
         envvar="YARCLANG_NO_CACHE",
-        help="Reuse and keep no results of earlier runs. Use it for releases.",
+        help="Don't reuse or store results in the cache. Use this for releases.",
     )
     return jobs_option(scheduler_option(no_cache(function)))
 
@@ -230,7 +228,7 @@ def avoid_effort_option(function: F) -> F:
         metavar="N",
         default=1,
         help=(
-            "For motions with _AVOID: take the fastest of N paths round obstacles (default: 1, the first "
-            f"that is found; at most {MOST_SEARCHES})."
+            "For motions with _AVOID: search N paths round obstacles and take the fastest (default: 1; "
+            f"at most {MOST_SEARCHES})."
         ),
     )(function)

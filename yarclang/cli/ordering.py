@@ -27,7 +27,7 @@ _NEEDED = frozenset(
         "since",
     ]
 )
-"""Content of a run's status."""
+"""Keys that the status of a run must have."""
 
 _ENDED = ("stop", "fault")
 """States without motion."""
@@ -36,7 +36,7 @@ Status = dict[str, Any]
 
 
 class GoneError(ControlError):
-    """Raised if the run that a socket belongs to has ended."""
+    """Raised if a run has ended, although its socket still exists."""
 
 
 def send(run: Run, order: str, timeout: float = REPLY_TIME, **fields: Any) -> Status:
@@ -52,7 +52,8 @@ def send(run: Run, order: str, timeout: float = REPLY_TIME, **fields: Any) -> St
     except TimeoutError:
         raise ControlError(
             f"{run.name} doesn't answer within {timeout:g} s",
-            "its guard PLC holds when the buffer runs low; `yarc stop --to ...` asks the controller itself",
+            "its guard PLC holds when the buffer runs low; use `yarc stop --to ...` to stop the "
+            "controller itself",
         ) from None
     except Gone:
         raise GoneError(f"{run.name} has ended") from None
@@ -68,7 +69,7 @@ def status_of(run: Run) -> Status:
     """
     status = send(run, "status")
     if not status.keys() >= _NEEDED:
-        raise ControlError(f"{run.name} doesn't say how it is going: is it another version of yarc?")
+        raise ControlError(f"{run.name} doesn't report its state: is it another version of yarc?")
     return status
 
 
@@ -82,6 +83,7 @@ def order(run: Run, word: str, patience: float, **fields: Any) -> Status | None:
         GoneError: the run had ended before.
         ControlError: the run doesn't answer, refuses the order, or hasn't fulfilled it after `patience` [s].
     """
+    why = status_of(run)["why"] if word == "resume" else ""
     send(run, word, **fields)
     until = time.monotonic() + patience
     while True:
@@ -91,9 +93,11 @@ def order(run: Run, word: str, patience: float, **fields: Any) -> Status | None:
             return None
         if fulfilled(word, status, **fields):
             return status
+        if word == "resume" and status["why"] != why:  # the hold is over, and the program waits for an input
+            return status
         if time.monotonic() > until:
             raise ControlError(
-                f"{run.name} has taken the order, but after {patience:g} s its state is still "
+                f"{run.name} has accepted the order, but after {patience:g} s its state is still "
                 f"{status['state']}",
                 "see `yarc status`",
             )
@@ -104,7 +108,7 @@ def fulfilled(word: str, status: Status, percent: float = 100.0, **_: Any) -> bo
     """Return True if an order is fulfilled, or can no longer be fulfilled because nothing moves."""
     state = status["state"]
     if word == "hold" and state in _ENDED:
-        return True  # a run that hasn't begun handles its orders later
+        return True  # don't wait: a run that hasn't begun handles the order only when it begins
     if status["waiting"]:
         return False
     match word:

@@ -33,14 +33,12 @@ def refuse_collisions(sources: Iterable[str], results: Iterable[tuple[str, str]]
             continue
         real = _real(path)
         if real in read:
-            raise click.UsageError(
-                f"{path} would overwrite {read[real]}, which is a source; write elsewhere with -o"
-            )
+            raise click.UsageError(f"{path} would overwrite the source {read[real]}; write elsewhere with -o")
         if real in taken:
             raise click.UsageError(f"{path} would be written twice: for {taken[real]} and for {made_of}")
         taken[real] = made_of
 
 
 def _real(path: str) -> str:
-    """Return the path of a file after all links, so that it is the same for all links to one file."""
+    """Return the path of a file with all links resolved, so that all links to one file give the same path."""
     return os.path.realpath(path)

@@ -1,5 +1,5 @@
-"""Base class for click's parameter types that accepts the type of the value in brackets. click itself
-supports this only from 8.4 on.
+"""Base class for click's parameter types that accepts the type of the value in square brackets, as in
+`ParamType[int]`. click itself supports this only from 8.4 on.
 """
 
 from __future__ import annotations

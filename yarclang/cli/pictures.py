@@ -54,7 +54,7 @@ def draw_programs(files: Sequence[tuple[str, str]], options: Options, fleet: Fle
 
 
 def draw_robots(robots: Sequence[str], fleet: Fleet) -> Iterator[Drawn]:
-    """Draw where robots can hold their flanges, in the order of the robots."""
+    """Draw the workspaces of robots, in the order of the robots."""
     return fleet.results(
         _draw_robot,
         robots,
@@ -127,8 +127,8 @@ def _draw_robot(name: str) -> Drawn:
         from yarclang.robot.description import load_robot
 
         robot = load_robot(name).value
-        assert robot is not None  # it was read before
-        return Drawn(draw_held(robot, "png"), f"{robot.name}: where the flange can be held")
+        assert robot is not None  # the robot was read before
+        return Drawn(draw_held(robot, "png"), f"{robot.name}: reachable places of the flange")
     except Exception as error:
         if not is_failure(error):
             raise

@@ -44,7 +44,7 @@ def session_options(function: F) -> F:
 
 @dataclass(frozen=True, slots=True)
 class Prepared:
-    """The robot of a session.
+    """The robot of a session, and where it is at first if it is simulated.
 
     Attributes:
         robot: the robot.
@@ -70,7 +70,7 @@ def prepared(folder: Path, to: Address | None, options: dict[str, Any]) -> Prepa
 
     check_controller_usage(to, options)
     if options["start"] and to is not None:
-        raise click.UsageError("--start is for the simulator: a real robot has a position already")
+        raise click.UsageError("--start works only with the simulator: a real robot already has a position")
     found = robot_for(folder.absolute(), options["robot"])
     show_findings(found.diagnostics)
     if found.value is None:

@@ -24,12 +24,12 @@ from yarclang.runtime.actions import Trouble
 _LAST_WORDS = 5.0
 """Longest wait for pending events after the end [s]."""
 
-_HOW = {"MOVEJ": "all joints straight", "MOVEL": "along the line on which the robot stands"}
-"""Descriptions of slow motions, by the motion's command without the profile."""
+_HOW = {"MOVEJ": "all joints straight", "MOVEL": "along the line of the program, from the robot's position"}
+"""Descriptions of slow motions, by the command's name without its profile (`MOVEJ` for MOVEJ_POLY5)."""
 
 
 def how_it_goes(title: str) -> str:
-    """Return how a slow motion goes (straight or around obstacles), in words, from the title of its
+    """Describe a slow motion to a program's start (straight or around obstacles), given the title of its
     command.
     """
     return _HOW.get(title.rsplit(maxsplit=1)[-1].rpartition("_")[0], "round what is in the way")
@@ -67,7 +67,7 @@ async def recover(
     show_findings(findings_of(way.refused))
     if way.offer is None:
         screen.close()
-        say(f"{status.robot} stands at {_place(way, program)} already; nothing moved", err=False)
+        say(f"{status.robot} is at {_place(way, program)} already; nothing moved", err=False)
         _say_next(way, ending)
         return 0
     screen.say(_told(way, way.offer, program, joints_text(way.offer.end, status)))
@@ -111,12 +111,12 @@ async def _go(
     if log is not None and log.problem:
         screen.say(error_text(log.problem, log.help))
     if not ended.well:
-        # these motions belong to no command of the program, so only they can be continued
+        # the robot stopped before it reached the program: advise to use --recover again
         for line in ending.lines(ended.model_copy(update={"on_the_way": True}), status, "--recover"):
             screen.say(line)
         return 1
     screen.close()
-    say(f"{status.robot} stands at {_place(way, program)}, to a count", err=False)
+    say(f"{status.robot} is at {_place(way, program)}, within one count", err=False)
     _say_next(way, ending)
     return int(log is not None and bool(log.problem))
 
@@ -129,7 +129,7 @@ async def _show(stream: Subscription, picture: Picture, display: Display, termin
 
 
 def _told(way: Recovery, offer: OfferDescribed, program: ProgramDescribed, where: str) -> str:
-    """Return the text that is shown before the question."""
+    """Return the text about the motions that is shown before the user is asked."""
     how = how_it_goes(offer.motions[0].title)
     lines = [
         (
@@ -140,14 +140,13 @@ def _told(way: Recovery, offer: OfferDescribed, program: ProgramDescribed, where
     if way.assumed:
         names = ", ".join(way.assumed[:8]) + (", ..." if len(way.assumed) > 8 else "")
         lines.append(
-            f"nobody has said where {names} {'is' if len(way.assumed) == 1 else 'are'}: taken to be where "
-            f"{program.name} has them at {way.title}"
+            f"the place of {names} is unknown: assumed to be where {program.name} has them at {way.title}"
         )
     clearances = [one.clearance for one in offer.motions if one.clearance is not None]
     if clearances:
         near = min(clearances, key=lambda one: one.distance_mm)
         least = f"at least {near.distance_mm:.1f} mm"
-        named = f"{near.first} stays {least} from {near.second}"
+        named = f"{near.first} stays {least} away from {near.second}"
         lines.append(f"proved: {named if near.first else f'all bodies stay {least} apart'}")
     return "\n".join(lines)
 

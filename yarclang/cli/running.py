@@ -76,7 +76,7 @@ def run_program(wanted: Wanted, place: Place, options: dict[str, Any]) -> int:
             guarded = run.program is not None and run.program.guarded
             guard = " (its guard PLC holds the motion when the buffer runs low)" * guarded
             _say_error(
-                f"given up without a connection: nobody knows what the robot does{guard}", "look at the robot"
+                f"given up without a connection: the robot's state is unknown{guard}", "inspect the robot"
             )
         else:
             say("given up; nothing was moved")
@@ -84,7 +84,7 @@ def run_program(wanted: Wanted, place: Place, options: dict[str, Any]) -> int:
 
 
 _SETS_INPUTS = (
-    "  inputs of a simulated robot stay OFF until something sets them: a sensor of the cell, --set INPUT=ON, "
+    "  inputs of a simulated robot stay OFF until they are set by a sensor of the cell, --set INPUT=ON, "
     "or --inputs SCRIPT.toml"
 )
 
@@ -93,8 +93,8 @@ def _may_loop(program: ProgramDescribed, options: dict[str, Any]) -> bool:
     if not (options["loop"] or (options["times"] or 1) > 1) or not program.not_looped:
         return True
     _say_error(
-        f"{program.name} doesn't end where it starts, so that it can't be looped: {program.not_looped}",
-        "end it with a motion to its start",
+        f"{program.name} can't be looped, since it doesn't end where it starts: {program.not_looped}",
+        "add a last motion to its start",
     )
     return False
 
@@ -147,10 +147,7 @@ class _Run:
         inspection = trouble.inspection
         count = len(inspection.errors)
         self.screen.say(ending.filled(checked_table(inspection.errors)))
-        wrong = (
-            f"{count} of {len(inspection.checked)} things "
-            f"{'isn' if count == 1 else 'aren'}'t as {'it' if count == 1 else 'they'} must be; nothing moved"
-        )
+        wrong = f"{count} of {len(inspection.checked)} checks failed; nothing moved"
         self.screen.say(error_text(wrong, ending.filled("`yarc doctor` shows all of them")))
         return 1
 
@@ -184,7 +181,7 @@ class _Run:
                 self.terminal.performing = True
                 ended = await robot.ask(orders.Run(program=program.number, approach=goes, times=self._times))
             except Trouble as trouble:
-                # the state has changed since it was checked
+                # the robot's state has changed since it was checked
                 self.screen.say(error_text(trouble.what, ending.filled(trouble.remedy)))
                 return 1
             finally:
@@ -209,10 +206,11 @@ class _Run:
         return made.program
 
     async def _way_to_start(self, robot: Attached, program: ProgramDescribed, ending: Ending) -> bool | None:
-        """Ask the user whether the robot may move to the program's start, unless it is there.
+        """Ask the user whether the robot may move to the program's start, unless the robot is there already.
 
         Returns:
-            True if it has to move there first, False if it is there already; None if the run is refused.
+            True if the robot has to move there first, False if it is there already; None if the run is
+            refused.
         """
         options = self.options
         way = await robot.ask(orders.AskWay(program=program.number))
@@ -223,13 +221,17 @@ class _Run:
             return None
         if way.duration_s is None:
             show_findings(findings_of(way.findings))
-            self._wrong(way.text, "there is no slow joint motion to the start: jog the robot there", ending)
+            self._wrong(
+                way.text, "no slow joint motion to the start is possible: jog the robot there", ending
+            )
             return None
         how = how_it_goes(way.title)
         where = joints_text(way.end, robot.welcome.status)
         self.screen.say(f"{way.text}\nan approach takes {way.duration_s:.1f} s, {how} to {where}")
         if way.zone:
-            self.screen.say(f"it stands in the start zone {way.zone} of the cell: it goes there by itself")
+            self.screen.say(
+                f"the robot is in the start zone {way.zone} of the cell: it moves there without confirmation"
+            )
         if options["dry_run"] or way.zone:
             return True
         if not (options["yes"] or await self.terminal.agrees("Move there?")):
@@ -246,10 +248,11 @@ class _Run:
         on = " or ".join(program.tools) or "no tool"
         self.screen.say(f"it begins with {on} on the flange")
         if simulated or self.place.served is not None or self.options["yes"]:
-            return True  # a coordinator that runs on knows its tools, and refuses another one
+            # a running coordinator knows the mounted tool itself
+            return True
         if await self.terminal.agrees("Is that so?"):
             return True
-        self.screen.say("nothing moved: change the tool by hand, or begin elsewhere with --from")
+        self.screen.say("nothing moved: change the tool by hand, or begin at another command with --from")
         return False
 
     async def _show(self, stream: Subscription, picture: Picture, display: Display) -> None:
@@ -278,9 +281,9 @@ class _Run:
             ):
                 self.screen.say(_SETS_INPUTS)
             return 1
-        self.screen.close()  # the rest goes to standard output
+        self.screen.close()  # later output goes to standard output
         times = f" {ended.passes} times" if ended.passes > 1 else ""
-        where = f"{status.robot} stands where it ends, to a count"
+        where = f"{status.robot} is at the program's end, within one count"
         say(f"{self.wanted.name}: done{times}; {where}", err=False)
         if log is None or not log.problem:
             return 0

@@ -24,8 +24,8 @@ _VALUE = re.compile(r"(?:-?\d+\.\d+|left)(?= |$)")
 
 
 class Screen:
-    """Output on standard error, written by a thread of its own. A terminal that was closed or stopped by
-    Ctrl-S then delays no robot.
+    """Output on standard error, written by a separate thread, so that a terminal that was closed, or stopped
+    by Ctrl-S, doesn't delay the robot.
     """
 
     def __init__(self) -> None:

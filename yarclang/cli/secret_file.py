@@ -16,7 +16,8 @@ from yarclang.runtime.actions import Trouble
 def secret_file(path: Path, text: str) -> Iterator[None]:
     """Keep a secret in a file during the context.
 
-    The file is new, and replaces a file with this name. Other users can't read any of it at any time.
+    A new file is created; it replaces an existing file with the same name. Other users can't read the secret
+    at any time.
 
     Args:
         path: path of the file.

@@ -44,7 +44,8 @@ async def serve(
         address: address of the controller.
         options: options of the command line.
         own: machines around the robot, if the controller is a simulator in this process.
-        values: port at which other software sends values to running programs; None for only the socket.
+        values: TCP port at which other software sends values to running programs. None: values are accepted
+            only through the coordinator's socket.
 
     Returns:
         The exit status.
@@ -70,7 +71,7 @@ async def serve(
         serves=True,
         patient=True,
     )
-    screen = Screen()  # a stopped or closed terminal delays no robot
+    screen = Screen()  # a stopped or closed terminal doesn't delay the robot
     try:
         with terminations() as ends:
             async with opened(robot, ground) as coordinator:
@@ -86,7 +87,7 @@ async def serve(
                     click.echo(f"{robot.name} at {address} is served: {where}")
                     await ends.wait()
                     if coordinator.under_way:
-                        screen.say(f"{coordinator.under_way} is stopped on its path")
+                        screen.say(f"{coordinator.under_way} is being stopped on its path")
                 telling.cancel()
     finally:
         screen.close()
@@ -101,7 +102,7 @@ async def _open(door: ValuesDoor, token: Path, doors: contextlib.AsyncExitStack,
     """
     await doors.enter_async_context(door)
     doors.enter_context(secret_file(token, door.door.token + "\n"))
-    screen.say(f"values are taken at {door.door.host}:{door.port}, by the token in {token}")
+    screen.say(f"values are accepted at {door.door.host}:{door.port}, with the token in {token}")
 
 
 async def _tell(stream: Subscription, screen: Screen) -> None:

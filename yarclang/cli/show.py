@@ -12,8 +12,8 @@ from yarclang.diagnostics import Diagnostic
 from yarclang.report.finding import finding_text
 
 MOST_ALIKE = 20
-"""Largest number of warnings and notes with the same code in the same file that are written to a terminal. A
-chain of 100,000 lines may have hundreds.
+"""Largest number of warnings and notes with the same code in the same file that are written to a terminal.
+For a chain of 100,000 lines there may be hundreds of them.
 """
 
 

@@ -34,15 +34,15 @@ SHORT = 10
 """Largest number of commands for which a table has one row for each command."""
 
 MANY = 40
-"""Number of blended motions above which a table shows a chain of them as one row."""
+"""If a chain has more than this number of blended motions, a table shows the whole chain as one row."""
 
 _CLEAR = "clear mm"
-"""Heading of the column with the smallest proved distance of bodies, and these two bodies, for programs in a
-cell with obstacles.
+"""Heading of the column with the smallest proved distance between two bodies, and the names of these bodies.
+The column exists only for programs in a cell with obstacles.
 """
 _ZONES = "zones mm"
-"""Heading of the column with the smallest proved distance from the border of a zone, the body and the zone,
-and the time, for programs in a cell with zones.
+"""Heading of the column with the smallest proved distance from the border of a zone, the names of the body
+and the zone, and the time. The column exists only for programs in a cell with zones.
 """
 _NAMES = "names"
 _LEAST_WANTED = (
@@ -59,8 +59,8 @@ _LEAST_WANTED = (
     _CLEAR,
     "torque",
 )
-"""Columns in the order in which they are left out on a narrow terminal; `names` are the names of bodies
-beside their distances.
+"""Columns in the order in which they are left out on a narrow terminal. `_NAMES` stands for the names of
+bodies in the columns of distances.
 """
 
 _COLUMN_OF = {
@@ -70,7 +70,9 @@ _COLUMN_OF = {
     "acceleration": "accel.",
     "motor speed": "motor",
 }
-"""Columns whose heading differs from the name of the measured quantity, by this name."""
+"""Headings of the columns whose heading isn't the name of the measured quantity, by the name of the
+quantity.
+"""
 
 _LOADED = "*"
 """Mark of a motion during which the robot carries a part."""
@@ -118,7 +120,7 @@ def certificate_table(
     lines = ["  ".join(cells).rstrip() for cells in zip(*(column.lines() for column in columns), strict=True)]
     lines[1] = "-" * max(len(line) for index, line in enumerate(lines) if index != 1)
     if any(command.carries for command in certificate.commands):
-        lines += wrapped(f"{_LOADED} the robot carries a part.", width)
+        lines += wrapped(f"{_LOADED} marks commands during which the robot carries a part.", width)
     for told in _not_checked(certificate):
         lines += wrapped(told, width)
     shown = " ".join(cell for column in columns for cell in column.cells)
@@ -129,7 +131,7 @@ def certificate_table(
         of, times = f"{len(groups)} lines of the source", f"{len(certificate.commands):,} times"
         if any(map(_is_chain, groups)):
             of = f"{of}, or chains of more than {MANY}"
-        said.append(f"{of}, carried out {times}: the longest time and the worst of each column.")
+        said.append(f"{of}, executed {times}: the longest time and the worst value of each column.")
     if left_out:
         said.append(f"No room for {', '.join(left_out)}.")
     if said:
@@ -198,7 +200,7 @@ def nearest_table(certificate: Certificate, robot: Robot, cell: Cell | None, wid
         rows = ["  ".join(cells).rstrip() for cells in zip(*(one.lines() for one in columns), strict=True)]
         rows[1] = "-" * max(len(row) for index, row in enumerate(rows) if index != 1)
         return "\n".join(rows)
-    lines = [*wrapped("share  nearest to a limit, and at which command", width), "-" * min(width, 47)]
+    lines = [*wrapped("share  nearest to a limit, and its command", width), "-" * min(width, 47)]
     for share, what, figure, place in zip(*(one.cells for one in columns), strict=True):
         lines += wrapped(f"{share:>5}  {what}: {figure}", width, 7)
         lines += wrapped(f"{' ' * 7}at {place}", width, 10)
@@ -260,7 +262,7 @@ def _columns(
 
 
 def _time(group: Sequence[CommandCertificate]) -> float:
-    """Return the duration of a chain, or the longest duration of a line [s]."""
+    """Return the duration in a row [s]: the total of a chain, or the longest execution of a line."""
     times = [one.duration for one in group]
     return sum(times) if _is_chain(group) else max(times)
 
@@ -275,8 +277,9 @@ def _name(group: Sequence[CommandCertificate]) -> str:
 def _place(group: Sequence[CommandCertificate]) -> str:
     """Return the place for a row of the table.
 
-    For a single command this is its place. For several commands it is the part that their places have in
-    common, without passes of loops; if there is none, their line.
+    A single command has its own place. A chain has the indices of its first and last command. Several
+    executions of one line have their common place, without the passes of loops, or else the number of the
+    line.
     """
     first = group[0]
     if _is_chain(group):
@@ -291,12 +294,12 @@ def _place(group: Sequence[CommandCertificate]) -> str:
 
 
 MANY_PAIRS = 10
-"""Largest number of lines about bodies that may touch; further lines are only counted."""
+"""Largest number of lines about pairs of bodies that may touch. Of further lines only the number is given."""
 
 
 def _not_checked(certificate: Certificate) -> Iterator[str]:
-    """Yield a line of text for each pair of bodies that may touch, and for each line of the program that
-    allows contact.
+    """Yield a line of text for each pair of bodies that may touch, with the commands concerned and the line
+    that allows the contact.
     """
     found: dict[tuple[str, str, str], list[str]] = {}
     for command in certificate.commands:
@@ -312,7 +315,8 @@ def _not_checked(certificate: Certificate) -> Iterator[str]:
         yield f"Not checked: {first} and {second} on {places}, allowed by {giver}."
     if len(found) > MANY_PAIRS:
         yield (
-            f"Not checked: {len(found) - MANY_PAIRS} more pairs of bodies that may touch (--json lists them)."
+            f"Not checked: {len(found) - MANY_PAIRS} more pairs of bodies that may touch "
+            "(--certificate FILE lists them)."
         )
 
 

@@ -36,10 +36,10 @@ def check_usage(options: dict[str, Any]) -> None:
     if options["tls"] and certificate is not None:
         raise click.UsageError("--tls and --tls-cert exclude each other")
     if not options["host"].strip():
-        raise click.UsageError("--host is empty; all addresses are 0.0.0.0")
+        raise click.UsageError("--host is empty; use 0.0.0.0 for all addresses")
     if not options["tls"] and certificate is None and not is_loopback(options["host"]):
         raise click.UsageError(
-            f"{options['host']} is reached from other machines, and passwords would be sent there "
+            f"{options['host']} is reachable from other computers, and passwords would be sent "
             "unencrypted: give --tls self-signed, or --tls-cert and --tls-key"
         )
 
@@ -85,7 +85,8 @@ async def tablet(robot: Robot, place: Place, folder: Path, options: dict[str, An
                     click.echo(f"SHA-256 fingerprint of its certificate: {print_}")
                 if first:
                     click.echo(
-                        f"there is no user yet; this link makes the first one: {address}#first={first}"
+                        "there is no user yet; open this link to create the first one: "
+                        f"{address}#first={first}"
                     )
                 waits = [asyncio.ensure_future(one) for one in (ends.wait(), life.ended())]
                 await asyncio.wait(waits, return_when=asyncio.FIRST_COMPLETED)
@@ -98,7 +99,7 @@ async def tablet(robot: Robot, place: Place, folder: Path, options: dict[str, An
 
 
 def begin_again(again: Again) -> NoReturn:
-    """Restart this process with the same command line. Everything must be closed first."""
+    """Restart this process with the same command line. Connections and files must be closed first."""
     sys.stdout.flush()
     sys.stderr.flush()
     os.execv(sys.executable, [sys.executable, *sys.orig_argv[1:], *again.arguments])
@@ -108,7 +109,7 @@ def _check_again(folder: Path, place: Place, options: dict[str, Any]) -> None:
     """Check, before a restart, that a new process with the same command line would start.
 
     Raises:
-        Trouble: it wouldn't start. The message has the reason.
+        Trouble: the new process wouldn't start. The message has the reason.
     """
     read = robot_for(folder.absolute(), options["robot"])
     cell = None if read.value is None else session_cell(folder, read.value, options["cell"])
@@ -116,12 +117,12 @@ def _check_again(folder: Path, place: Place, options: dict[str, Any]) -> None:
     for one in found:
         if one.is_error:
             where = "" if one.source is None else f"{Path(one.source.name).name}: "
-            what = f"a pendant that begins now wouldn't start: {where}{one.message}"
+            what = f"a restarted pendant couldn't start: {where}{one.message}"
             raise Trouble(what, one.help or "correct it first", one.code)
     known = None if place.served is None else place.served.fingerprint
     if known is not None and read.value is not None and read.value.fingerprint != known:
-        what = "robot.toml was changed, and `yarc serve` still has the previous robot"
-        raise Trouble(what, "end `yarc serve` and start it again, then the pendant", "Y1392")
+        what = "robot.toml was changed, but `yarc serve` still uses the previous version"
+        raise Trouble(what, "restart `yarc serve`, then the pendant", "Y1392")
 
 
 def _port(options: dict[str, Any], data: Path) -> tuple[Port, str]:

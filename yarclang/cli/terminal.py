@@ -39,10 +39,11 @@ class Terminal:
 
     Args:
         screen: screen for output.
-        give_up: function that is called if nothing moves yet, or if nothing else can be done.
+        give_up: function that is called on Ctrl-C or a termination while no job runs, and on a second Ctrl-C
+            while there is no connection.
 
     Attributes:
-        performing: True while a job runs; before, there is nothing to hold.
+        performing: True while a job runs. At other times there is no motion to hold.
         gave_up: True after the user gave up a robot that can't be reached.
     """
 
@@ -78,13 +79,15 @@ class Terminal:
             loop.remove_signal_handler(number)
 
     def serve(self, attached: Attached, picture: Picture) -> None:
-        """Send orders to a client from now on. The picture shows the state of its robot."""
+        """Send the user's orders through a client from now on. `picture` has the state of the client's
+        robot.
+        """
         self._attached, self._picture = attached, picture
 
     async def agrees(self, question: str) -> bool:
         """Return True if the user agrees. Without a terminal, a question is a usage error."""
         if not self._keys:
-            raise click.UsageError(f"{question} Nobody can be asked here: give --yes")
+            raise click.UsageError(f"{question} There is no terminal to ask on: give --yes")
         self._screen.ask(f"{question} [y/N]: ")
         self._answer = asyncio.get_running_loop().create_future()
         try:
@@ -119,7 +122,9 @@ class Terminal:
         elif not self._asked_to_hold:
             self._asked_to_hold = True
             self._order(orders.Hold())
-            self._screen.say("holding: Enter or `yarc resume` goes on, `yarc stop` ends, Ctrl-C again aborts")
+            self._screen.say(
+                "holding: continue with Enter or `yarc resume`, end with `yarc stop`, abort with Ctrl-C"
+            )
         else:
             self._order(orders.Abort())
             self._screen.say("aborting: each motor stops at once")
@@ -129,7 +134,8 @@ class Terminal:
             self._asked_to_abort = True
             self._order(orders.Abort())
             self._screen.say(
-                "there is no connection; an abort is sent as soon as there is one; Ctrl-C again gives up"
+                "there is no connection; the abort is sent as soon as there is one. Press Ctrl-C again "
+                "to give up"
             )
         else:
             self.gave_up = True
@@ -140,9 +146,11 @@ class Terminal:
         state = self._state
         if self.performing and state in (State.MOVE, State.HOLD):
             self._order(orders.Hold())
-            self._screen.say("this process can't sleep while it drives a robot: holding on the path instead")
+            self._screen.say(
+                "this process can't be suspended while it drives a robot: holding on the path instead"
+            )
         else:
-            self._screen.say("this process can't sleep while it drives a robot; Ctrl-C ends it")
+            self._screen.say("this process can't be suspended while it drives a robot; Ctrl-C ends it")
 
     def _terminated(self) -> None:
         if self.performing:
@@ -155,7 +163,7 @@ class Terminal:
         descriptor = sys.stdin.fileno()
         try:
             if os.tcgetpgrp(descriptor) != os.getpgrp():
-                return  # another process is reading it
+                return  # another process is reading the terminal
             data = os.read(descriptor, 4096)
         except OSError:
             data = b""

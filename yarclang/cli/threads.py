@@ -11,8 +11,8 @@ def one_for_products() -> None:
     """Limit numpy's matrix products to one thread, unless the environment sets another number. Call this
     before numpy is imported.
 
-    The matrices here are small. With several threads, a sixth of a long program's time is spent on waiting
-    between them. Several cores are used by processes instead.
+    The matrices here are small. With several threads, a sixth of the time for a long program is spent on
+    waiting for the threads. Several cores are used by processes instead.
     """
     for name in _SETTINGS:
         os.environ.setdefault(name, "1")

@@ -9,12 +9,12 @@ from pathlib import Path
 from yarclang.cli.paths import SUFFIX, programs
 
 _BESIDE = (SUFFIX, ".toml", ".urdf", ".csv")
-"""Suffixes of the files that a program may use: modules, cells, settings, robots, tables of way-points."""
+"""Suffixes of the files that a program may use: modules, cells, settings, robots, tables of waypoints."""
 
 
 def changes(paths: Sequence[str], pause: Callable[[], None]) -> Iterator[list[str]]:
-    """Yield the programs to check again and again: first all, then, after each pause, those that have
-    changed. A program also counts as changed if a file in its folder that it may use has changed.
+    """Yield, again and again, the list of programs to check: first all of them, then, after each pause, those
+    that have changed. A program also counts as changed if a file in its folder that it may use has changed.
 
     Args:
         paths: files and folders on the command line.

@@ -157,7 +157,9 @@ def write_standard_output(content: str | bytes) -> tuple[Diagnostic, ...]:
     except OSError as error:
         reason = reason_of(error)
         return (
-            Diagnostic("Y0107", f"standard output can't be written: {reason}", help="check where it goes"),
+            Diagnostic(
+                "Y0107", f"standard output can't be written: {reason}", help="check where the output goes"
+            ),
         )
     return ()
 

@@ -10,7 +10,7 @@ from yarclang.diagnostics import Diagnostic
 from yarclang.source import SourceFile
 
 LONGEST = 30.0
-"""Longest time of the process [s]. It needs a limit because xacro allows recursion."""
+"""Time after which the process is killed [s]. Without a limit, a recursion in the file could run for ever."""
 
 LARGEST = 20_000_000
 """Largest output [bytes]; the same limit applies to any URDF."""
@@ -52,7 +52,7 @@ def expanded(path: Path, packages: Sequence[Path], given: Mapping[str, str]) -> 
             arguments, capture_output=True, timeout=LONGEST, check=False, stdin=subprocess.DEVNULL
         )
     except subprocess.TimeoutExpired:
-        message = f"xacro doesn't get through {path.name[:80]} within {LONGEST:g} s."
+        message = f"xacro hasn't finished {path.name[:80]} within {LONGEST:g} s."
         return Diagnostic("Y1341", message, help="Look for a macro that calls itself.")
     if done.returncode:
         lines = [line for line in done.stderr.decode("utf-8", "replace").splitlines() if line.strip()]
@@ -61,10 +61,10 @@ def expanded(path: Path, packages: Sequence[Path], given: Mapping[str, str]) -> 
             "Correct the file, name the folders of its packages with --package-path, or give its arguments "
             "with --arg NAME=VALUE."
         )
-        return Diagnostic("Y1341", f"xacro can't read {path.name[:80]}: {said}", help=remedy)
+        return Diagnostic("Y1341", f"xacro fails on {path.name[:80]}: {said}", help=remedy)
     if len(done.stdout) > LARGEST:
-        message = f"xacro makes more than {LARGEST:,} bytes of {path.name[:80]}."
-        return Diagnostic("Y1341", message, help="A URDF has less.")
+        message = f"xacro produces more than {LARGEST:,} bytes from {path.name[:80]}."
+        return Diagnostic("Y1341", message, help="Look for a macro that repeats without end.")
     return SourceFile(str(path), done.stdout.decode("utf-8", "replace"))
 
 
@@ -84,7 +84,7 @@ def _child(path: str, given: str, packages: Sequence[str]) -> None:
     def share(name: str) -> str:
         folder = known.folder(name)
         if folder is None:
-            raise LookupError(f"the ROS package {name} isn't found")
+            raise LookupError(f"the ROS package {name} wasn't found")
         return str(folder)
 
     # replace the modules by which xacro looks up packages, so that ROS isn't needed

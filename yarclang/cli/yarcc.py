@@ -39,11 +39,11 @@ def _known_target(context: click.Context, parameter: click.Parameter, value: str
 
         known = list(dict.fromkeys(one for kind in kind_names() for one in backend_called(kind).targets))
         if value not in known:
-            raise click.BadParameter(f"'{value}' is none of {', '.join(known)}.")
+            raise click.BadParameter(f"'{value}' isn't a target; the targets are {', '.join(known)}.")
     return value
 
 
-_ONE_PROGRAM = "-o and --certificate go with one program; --out-dir takes several"
+_ONE_PROGRAM = "-o and --certificate need exactly one program; use --out-dir for several"
 
 
 @click.command(cls=Door, context_settings={"help_option_names": ["-h", "--help"]})
@@ -82,10 +82,11 @@ _ONE_PROGRAM = "-o and --certificate go with one program; --out-dir takes severa
     "--full",
     is_flag=True,
     help=(
-        "Show every command in the table, with all columns, however long the program and narrow the terminal."
+        "Show every command in the table, with all columns, for any length of the program and width of "
+        "the terminal."
     ),
 )
-@click.option("--strict", is_flag=True, help="A warning counts as an error.")
+@click.option("--strict", is_flag=True, help="Treat warnings as errors.")
 @fleet_options
 @format_option
 def main(
@@ -110,7 +111,9 @@ def main(
     """
     _check_usage(files, output, out_dir, certificate, format_)
     if proof and output == "-":
-        raise click.UsageError("--proof writes beside the text, which goes to standard output")
+        raise click.UsageError(
+            "--proof writes beside the text, but the text goes to standard output: give a file with -o"
+        )
     one_for_products()
     seldom_look_for_garbage()
     from yarclang.cli.compiling import Task, compile_all, destinations_of
@@ -174,7 +177,7 @@ def _check_usage(
         raise click.UsageError("a file is named twice")
     if certificate is not None and str(certificate) == "-":
         raise click.UsageError(
-            "--certificate takes a file; --format json writes the certificate to standard output"
+            "--certificate needs a file; use --format json to write the certificate to standard output"
         )
 
 
@@ -228,7 +231,7 @@ def _show(
     if compiled is None:
         click.echo(f"{name}: {count_text(diagnostics) or 'no output'}; nothing written", err=True)
         if os.path.isfile(destination):  # noqa: PTH113 (Path.is_file raises where a folder can't be searched)
-            click.echo(f"  {destination} was there before and is unchanged", err=True)
+            click.echo(f"  {destination} existed before and is unchanged", err=True)
         return
     from yarclang.cli.screen import width_of, wrapped
 

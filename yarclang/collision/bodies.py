@@ -20,12 +20,19 @@ Rows = NDArray[np.int64]
 class Body:
     """A solid body: the shape of a robot link, an obstacle, or something that the robot carries.
 
-    `joint` is the number of joints that move the body, counted from the base. `base_from_body` (4, 4) [m] is
-    its pose with all joints at zero. `margin` [m] is the distance that other bodies must keep from it.
-    `is_link` is True for a link's shape, `of_robot` for the shape of a link or of a tool of robot.toml,
-    `of_cell` for a body that stands in the cell. All three are False for an obstacle that the cell mounts on
-    the flange. `is_part` is True for a workpiece ("part") that grippers take, or a tool that a changer takes;
-    `of_tool` only for such a tool.
+    `is_link`, `of_robot` and `of_cell` are all False for an obstacle that the cell mounts on the flange.
+
+    Attributes:
+        name: name of the body.
+        joint: number of joints that move the body, counted from the base.
+        base_from_body: (4, 4) pose of the body with all joints at zero [m].
+        geometry: shape of the body.
+        margin: distance that other bodies must keep from this one [m].
+        is_link: True for the shape of a link.
+        of_robot: True for the shape of a link, or of a tool in robot.toml.
+        of_cell: True for a body that is fixed in the cell.
+        is_part: True for a workpiece ("part") that grippers take, or a tool that a changer takes.
+        of_tool: True only for a tool that a changer takes.
     """
 
     name: str
@@ -41,8 +48,8 @@ class Body:
 
     @property
     def may_hold(self) -> bool:
-        """True for a body that may touch a workpiece ("part") while the part is taken: any body but
-        another part.
+        """True for a body that may touch a workpiece ("part") while the workpiece is grasped: any body but
+        another workpiece.
         """
         return not self.is_part or self.of_tool
 
@@ -52,11 +59,11 @@ class Pairs:
     """K pairs of bodies that must not meet.
 
     Attributes:
-        first: the body of each pair that fewer joints move (K,), as an index.
-        second: the other body of each pair (K,).
+        first: index of that body of each pair that fewer joints move (K,).
+        second: index of the other body of each pair (K,).
         margin: the distance that the two bodies must keep from each other (K,) [m].
-        touching: True if the two may touch while a workpiece is taken or put down (K,).
-        of_cell: True if one of the two stands in the cell (K,).
+        touching: True if the two may touch while a workpiece is grasped or put down (K,).
+        of_cell: True if one of the two is fixed in the cell (K,).
     """
 
     first: Rows
@@ -79,8 +86,8 @@ class Boxes:
         bound: the radius of a sphere around each body (M,) [m].
         core: half of the edges of the smaller box in each hull (M, 3) [m]; see `Geometry`.
         disc: the radius of the disc in each hull (M,) [m]; see `Geometry`.
-        cornered: the bodies whose hull is given by its corners instead.
-        solids: the shapes themselves: of the library coal, or large meshes in tiles.
+        cornered: indices of the bodies whose hull is given by corners instead of `core`, `disc` and `radius`.
+        solids: the shapes themselves, as objects of the library coal or, for large meshes, as tiles.
         own_middle: the center of each box in the frame of the body's shape (M, 3) [m].
         closed: True for meshes that enclose a volume (M,).
         hollow: True for meshes that aren't their own convex hulls (M,).
@@ -110,8 +117,8 @@ class Scene:
         bodies: the bodies, in any order.
         pairs: the pairs of bodies that must not meet.
         boxes: the same bodies, as arrays.
-        at_home: names of the pairs of links whose shapes touch in the robot's HOME. Since the robot can stand
-            there, these shapes are too large, and the pairs aren't among `pairs`.
+        at_home: names of the pairs of links whose shapes touch in the robot's HOME. Since the robot can be at
+            HOME, these shapes must be larger than the real links, and the pairs aren't among `pairs`.
         allowed: the pairs that may touch because the program or the cell allows it; they aren't among
             `pairs`.
     """
@@ -145,6 +152,7 @@ def together(scenes: Sequence[Scene]) -> tuple[Scene, tuple[Rows, ...]]:
     for scene in scenes:
         here = []
         for body in scene.bodies:
+            # Bodies that are equal in all these properties get one common number.
             key = body.name, body.joint, body.base_from_body.tobytes(), id(body.geometry), body.margin
             here.append(bodies.setdefault(key, (len(bodies), body))[0])
         at = np.array(here, dtype=np.int64)
@@ -170,8 +178,8 @@ def paired(
 
     Args:
         bodies: all bodies.
-        first: the body of each pair that fewer joints move (K,), as an index.
-        second: the other body of each pair (K,).
+        first: index of that body of each pair that fewer joints move (K,).
+        second: index of the other body of each pair (K,).
         margin: the distance that the two must keep (K,) [m].
         touching: True if the two may touch (K,).
     """

@@ -20,16 +20,18 @@ from yarclang.shapes import Mesh
 POSITIONS = 200
 """Number of joint positions, spread over the limits, at which links are checked."""
 OFTEN = 0.9
-"""Share of the positions above which links that touch are drawn too large, or are joined."""
+"""Fraction of the positions above which two touching links are reported: their shapes are too large, or the
+links are joined.
+"""
 MOSTLY = 0.5
-"""The same share for links that also touch in HOME."""
+"""The fraction that replaces `OFTEN` for links that also touch in HOME."""
 
 
 def body_items(robot: Robot) -> Iterator[Item]:
     """Yield the items of the report about links and tools with shapes, and about shapes that touch."""
     yield from _tools(robot)
     if not robot.shapes:
-        found = "no link has a collision shape: nothing is checked for collisions"
+        found = "no link has a collision shape, so no collision of the robot is checked"
         yield Item("bodies", "note", found, "add <collision> with simple shapes to the URDF")
         return
     made = scene_of(robot, None)
@@ -41,8 +43,10 @@ def body_items(robot: Robot) -> Iterator[Item]:
     yield Item("bodies", "ok", f"{len(robot.shapes)} shapes on {len(links)} links: {listed(links)}")
     flat = flat_meshes(robot)
     if flat:
-        remedy = "give the link or tool a <box> or a mesh with the thickness that it has"
-        yield Item("flat meshes", "to do", f"{listed(flat)}: the collision check sees no thickness", remedy)
+        remedy = "give the link or tool a <box>, or a mesh with its real thickness"
+        yield Item(
+            "flat meshes", "to do", f"{listed(flat)}, so the collision check ignores its thickness", remedy
+        )
     touch = touching(scene, within(robot.chain, robot.limits, POSITIONS))
     always = _always(scene, robot, touch)
     if always:
@@ -53,12 +57,12 @@ def body_items(robot: Robot) -> Iterator[Item]:
         found += "; links that touch in HOME aren't checked against each other" if scene.at_home else ""
         pairs = ", ".join(f'["{one}", "{other}"]' for one, other in always)
         remedy = (
-            f"if they can't harm each other, write into robot.toml: [collision] allowed = [{pairs}]; else "
-            "make their shapes smaller, or choose another HOME"
+            f"if they can't collide in reality, write [collision] allowed = [{pairs}] into robot.toml; "
+            "otherwise make their shapes smaller, or choose another HOME"
         )
         yield Item("touching links", "to do", found, remedy)
     else:
-        yield Item("touching links", "ok", "none touch all the time, but for neighbours, which may")
+        yield Item("touching links", "ok", "no links touch all the time, except neighbours, which may")
     free = float((~touch.any(axis=1)).mean())
     yield Item(
         "self-collision", "ok", f"the robot doesn't touch itself in {free:.0%} of {POSITIONS} positions"
@@ -66,8 +70,8 @@ def body_items(robot: Robot) -> Iterator[Item]:
 
 
 def flat_meshes(robot: Robot) -> tuple[str, ...]:
-    """Return a clause for each mesh of a link or mounted tool that is flat; none if some mesh can't be
-    read.
+    """Return a clause for the report about each mesh of a link or mounted tool that is flat; no clauses if
+    some mesh can't be read.
     """
     if scene_of(robot, None).value is None:
         return ()
@@ -108,10 +112,9 @@ def touching_pairs(robot: Robot) -> tuple[tuple[tuple[str, str], str], ...]:
 
 
 def _by_names(scene: Scene, touch: NDArray[np.bool_]) -> dict[tuple[str, str], float]:
-    """Return, for the names of each two bodies, the share of the P joint positions in which any of their
-    shapes touch.
+    """Return the fraction of the P joint positions at which two bodies touch, by the names of both.
 
-    `touch` (P, K) is True where a pair of shapes touches.
+    `touch` (P, K) is True where a pair of shapes touches. A body may have several shapes.
     """
     rows: dict[tuple[str, str], NDArray[np.bool_]] = {}
     for pair in range(len(scene.pairs.first)):
@@ -128,11 +131,11 @@ def _tools(robot: Robot) -> Iterator[Item]:
             yield Item(
                 "tools",
                 "note",
-                f"{tool.name} isn't mounted: nothing is checked with it",
+                f"{tool.name} isn't mounted, so it is ignored by all checks",
                 "mounted = true puts it on the flange",
             )
         elif not tool.shapes:
-            found = f"{tool.name} has no shape{mass}: nothing is checked for collisions with it"
+            found = f"{tool.name} has no shape{mass}, so its collisions aren't checked"
             yield Item("tools", "note", found, 'add [[bodies]] with tool = "..." and a shape')
         else:
             yield Item("tools", "ok", f"{tool.name}: {shapes}{mass}")
@@ -146,7 +149,7 @@ def _always(scene: Scene, robot: Robot, touch: NDArray[np.bool_]) -> list[tuple[
 
 
 def touching(scene: Scene, q: Array) -> NDArray[np.bool_]:
-    """Return which pairs of bodies touch at joint positions `q` (P, n), as a mask (P, K)."""
+    """Return a mask (P, K) of the pairs of bodies that touch at joint positions `q` (P, n)."""
     return apart(scene, q) <= 0.0
 
 

@@ -12,13 +12,20 @@ from yarclang.shapes import Array
 
 @frozen(eq=False)
 class Course:
-    """The joint positions of a motion over time, as consecutive segments with constant jerk.
+    """The joint positions of a motion over time, as N consecutive segments with constant jerk.
 
-    `x`, `v` and `a` are position, velocity and acceleration of the joints at the start of each segment, `j`
-    is the jerk on the segment, (N, n) each [rad or m, s]. `begins` (N + 1,) are the times between the
-    segments [s]. `way` (N + 1, n) is an upper bound of the distance that each joint has travelled up to these
-    times, back and forth. `speed` and `strength` (N, n) are the largest |velocity| and |acceleration| on each
-    segment.
+    All rates are in rad or m per s, s^2 or s^3.
+
+    Attributes:
+        x: (N, n) joint positions at the start of each segment [rad or m].
+        v: (N, n) joint velocities at the start of each segment.
+        a: (N, n) joint accelerations at the start of each segment.
+        j: (N, n) jerks of the joints on each segment.
+        begins: (N + 1,) times at which segments begin, and the time at which the last one ends [s].
+        way: (N + 1, n) upper bounds of the distance that each joint has travelled up to these times, back and
+            forth.
+        speed: (N, n) largest |velocity| of the joints on each segment.
+        strength: (N, n) largest |acceleration| of the joints on each segment.
     """
 
     x: Array
@@ -36,11 +43,11 @@ class Course:
 
         Args:
             x: (N, n) joint positions at the starts of the segments [rad or m].
-            v: (N, n) velocities there.
-            a: (N, n) accelerations there.
-            j: (N, n) jerks on the segments.
+            v: (N, n) joint velocities at the starts of the segments.
+            a: (N, n) joint accelerations at the starts of the segments.
+            j: (N, n) joint jerks on the segments.
             h: (N,) durations of the segments [s].
-            peaks: (N, n) largest speeds on the segments.
+            peaks: (N, n) largest joint speeds on the segments.
         """
         begins = np.concatenate([[0.0], np.cumsum(h)])
         way = np.concatenate([np.zeros((1, x.shape[1])), np.cumsum(peaks * h[:, None], axis=0)])
@@ -67,13 +74,13 @@ class Course:
         return way
 
     def peaks(self, begin: Array, end: Array) -> tuple[Array, Array]:
-        """Return two bounds (P, n) for each joint: of |velocity| and of |acceleration|, from times `begin` to
-        times `end`, (P,) each [s].
+        """Return upper bounds (P, n) of each joint's |velocity|, and of its |acceleration|, from times
+        `begin` to times `end`, (P,) each [s].
         """
         first = np.clip(np.searchsorted(self.begins, begin, side="right") - 1, 0, len(self.x) - 1)
         last = np.clip(np.searchsorted(self.begins, end, side="left") - 1, first, len(self.x) - 1)
         edges = np.stack([first, last + 1], axis=1).ravel()
-        nothing = np.zeros((1, self.x.shape[1]))  # the last segment ends where this one begins
+        nothing = np.zeros((1, self.x.shape[1]))  # an extra row N for `reduceat`, since an edge may be N
         speed, strength = (
             np.maximum.reduceat(np.concatenate([values, nothing]), edges)[::2]
             for values in (self.speed, self.strength)

@@ -1,5 +1,6 @@
-"""Decide quickly if joint positions are free of collisions, one by one and thousands of times: the library
-Pinocchio places the bodies, and the library coal checks the pairs.
+"""Decide quickly if a joint position is free of collisions, for searches that ask thousands of times.
+
+The library Pinocchio places the bodies, and the library coal checks the pairs.
 """
 
 from __future__ import annotations
@@ -24,10 +25,11 @@ class FreeSpace:
     """The joint positions at which all pairs of a scene keep their margins and an additional distance.
 
     `model`, `data`, `geometry`, `pairs` and `manager` are objects of Pinocchio. The manager examines only
-    pairs whose axis-aligned boxes, grown by the margins, overlap. A body inside a hollow mesh isn't noticed;
-    use `gaps` for such bodies. `tiled` are the pairs with a large mesh in tiles, which Pinocchio doesn't
-    check, since it would need a tree of all triangles; `apart` (K,) is the distance that each pair must keep
-    [m]. Pairs that no joint position brings near are left out.
+    pairs whose axis-aligned boxes, grown by the margins, overlap. Pairs that come near each other at no joint
+    position are left out. A body inside a hollow mesh isn't noticed; use `gaps` for such bodies.
+
+    `tiled` are the indices of the pairs with a large mesh in tiles. Pinocchio doesn't check these pairs,
+    since it would need a tree of all triangles. `apart` (K,) is the distance that each pair must keep [m].
     """
 
     scene: Scene
@@ -75,6 +77,8 @@ def free_space(scene: Scene, more: Array | None = None) -> FreeSpace:
     objects: dict[int, int] = {}
     for number in sorted({*scene.pairs.first[others].tolist(), *scene.pairs.second[others].tolist()}):
         body = scene.bodies[number]
+        # Compute the pose of the body relative to its joint: the inverse of the joint's pose in {B} times the
+        # body's pose in {B}, both with all joints at zero.
         placed = data.oMi[body.joint].inverse() * pinocchio.SE3(np.array(body.base_from_body))
         thing = pinocchio.GeometryObject(str(number), body.joint, placed, body.geometry.of_coal)
         objects[number] = geometry.addGeometryObject(thing)
@@ -90,20 +94,21 @@ def free_space(scene: Scene, more: Array | None = None) -> FreeSpace:
 
 
 def _can_meet(scene: Scene, apart: Array) -> NDArray[np.bool_]:
-    """Return which pairs some joint position could bring nearer than `apart` (K,) [m], as a mask (K,).
+    """Return a mask (K,) of the pairs that some joint position could bring nearer than `apart` (K,) [m].
 
-    A body that the arm carries stays within a ball around a point on the first axis. This follows since each
-    joint turns the next axis about its own axis, so that points on both axes keep their distance. For arms
-    with prismatic joints, the mask contains all pairs.
+    A body that the arm carries stays within a ball around a point on the first axis. A point on a joint's
+    axis and a point on the next joint's axis keep their distance, since a joint turns the next axis about its
+    own axis. The ball's radius is the sum of these distances and of the distance from the last axis point to
+    the farthest point of the body. For arms with prismatic joints, the mask contains all pairs.
     """
     boxes, points = scene.boxes, _on_axes(scene.chain)
     if points is None:
         return np.ones(len(scene.pairs.first), dtype=np.bool_)
     joints, carrier = boxes.joint, np.maximum(boxes.joint - 1, 0)
-    # Longest distance from the point on the first axis to the body, along the points on the axes.
+    # Add up the distances from the point on the first axis to the body, along the points on the axes.
     way = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))))
     reach = way[carrier] + np.linalg.norm(boxes.middle - points[carrier], axis=1) + boxes.bound
-    # Distance of that point from the rounded box of a body that stands still.
+    # Compute the distance of the point on the first axis from the rounded box of a body that doesn't move.
     seen = np.einsum("bij,bi->bj", boxes.rotation, points[0] - boxes.middle)
     away = np.linalg.norm(np.maximum(np.abs(seen) - boxes.half, 0.0), axis=1) - boxes.radius
     first, second = scene.pairs.first, scene.pairs.second
@@ -164,7 +169,8 @@ def _model(chain: Chain) -> Any:
         if not rate:
             joint = pinocchio.JointModelPrismaticUnaligned(linear)
         else:
-            # The axis's point nearest to the origin, and its pitch [m/rad] (Lynch and Park, ch. 3.3).
+            # Compute the point of the joint's axis that is nearest to the origin, and the pitch of its screw
+            # [m/rad] (Lynch and Park, ch. 3.3).
             point = np.cross(angular, linear) / rate**2
             pitch = float(angular @ linear) / rate
             axis = angular / rate
@@ -179,4 +185,4 @@ def _model(chain: Chain) -> Any:
 
 
 _NO_PITCH = 1e-12
-"""Pitch [m/rad] below which a screw only turns."""
+"""Pitch [m/rad] below which a screw joint counts as revolute."""

@@ -29,14 +29,21 @@ from yarclang.units import MM
 class Geometry:
     """A shape for the computation of distances, and the rounded box around it.
 
-    `solid` is the shape in the library coal, or a large mesh in tiles. All points of the shape are within
-    `radius` [m] of a box, which has the half edges `half` (3,) around `middle` (3,) in the shape's frame [m].
-    `point` (3,) is some point of the shape. `skin` (T, 3, 3) are the triangles of a mesh that encloses a
-    volume: coal knows only the triangles, not the volume.
-
     Support functions (the farthest point in a direction) need the shape's convex hull. The hull is the
-    Minkowski sum of a smaller box of half edges `core` (3,), a disc of radius `disc` perpendicular to z, and
-    a ball of `radius`; or, for a mesh, the hull of `corners` (V, 3), relative to `middle`.
+    Minkowski sum of a smaller box, a disc perpendicular to z, and a ball of `radius`; or, for a mesh, the
+    hull of `corners`.
+
+    Attributes:
+        solid: the shape in the library coal, or a large mesh in tiles.
+        middle: (3,) center of the box in the shape's frame [m].
+        half: (3,) half edges of the box [m].
+        radius: upper bound of the distance of the shape's points from the box [m].
+        point: (3,) some point of the shape [m].
+        core: (3,) half edges of the smaller box in the hull [m].
+        disc: radius of the disc in the hull [m].
+        corners: (V, 3) corners of a mesh, relative to `middle` [m]; None for other shapes.
+        skin: (T, 3, 3) triangles of a mesh that encloses a volume [m]: coal knows only the triangles, not
+            the volume. None for other shapes.
     """
 
     solid: Any
@@ -49,7 +56,9 @@ class Geometry:
     corners: Array | None = None
     skin: Array | None = None
     is_hollow: bool = False
-    """True for a mesh that isn't its own hull: a point far from its triangles may be inside their hull."""
+    """True for a mesh that isn't convex: a point may be inside the mesh's convex hull, although it is far
+    from all triangles.
+    """
     cell: tuple[Array, Array] | None = None
     """For a piece of a mesh, two corners (3,) of a box [m]: the piece contains the part of the mesh in
     this box.
@@ -77,7 +86,7 @@ _FAR = 1e5
 
 
 _LARGE = 1_000_000
-"""Size of a file [bytes] from which the hull of a mesh is computed from its corners.
+"""File size [bytes] from which a mesh counts as large. The hull of a large mesh is computed from its corners.
 
 Where possible, coal's reader isn't used for such files.
 """
@@ -109,6 +118,7 @@ def geometry_of(shape: Shape, *, hull: bool = False) -> Geometry:
             return Geometry(coal.Sphere(radius), origin, origin, radius, origin, origin)
         case Cylinder(radius=radius, length=length):
             half = np.array([radius, radius, length / 2.0])
+            # A cylinder is the Minkowski sum of a line along z and a disc across it.
             core = np.array([0.0, 0.0, length / 2.0])
             return Geometry(coal.Cylinder(radius, length), origin, half, 0.0, origin, core, disc=radius)
         case Capsule(radius=radius, length=length):
@@ -139,6 +149,7 @@ def _mesh(shape: Mesh, *, hull: bool) -> Geometry:
         [[face[side] for side in range(3)] for face in map(model.tri_indices, range(model.num_tris))]
     )
     skin = corners[faces] if _is_closed(corners, faces) else None
+    # All corners span the hull; the triangles themselves are in `model`.
     outer = np.unique(corners, axis=0) - middle
     return Geometry(
         model, middle, half, 0.0, corners[0].copy(), half, corners=outer, skin=skin, is_hollow=True
@@ -161,12 +172,13 @@ def _checked(corners: Array) -> Array:
         UnreadableError: a corner is not a number or is too far away, or all corners are on a line.
     """
     if not np.isfinite(corners).all():
-        raise UnreadableError("has corners that are no finite numbers")
+        raise UnreadableError("has corners that aren't finite numbers")
     if (far := float(np.abs(corners).max())) > _FAR:
         raise UnreadableError(
-            f"has a corner {far:.3g} m from its origin, and at most {_FAR:,.0f} m are allowed: check its "
+            f"has a corner {far:.3g} m from its origin, but at most {_FAR:,.0f} m are allowed: check its "
             "unit and scale"
         )
+    # The singular values of the centred corners are their spread along the main axes, the largest first.
     spread: Array = np.linalg.svd(corners - corners.mean(axis=0), compute_uv=False)
     if len(spread) < 2 or spread[1] <= _FLAT:
         raise UnreadableError(
@@ -191,9 +203,9 @@ def _tiled(mesh: Prepared) -> Geometry:
 def _outer_model(shape: Mesh) -> Any | None:
     """Return coal's model of a large mesh with only the corners of its convex hull.
 
-    The result is None for a small file, a flat mesh, or a file with a fault. coal would first build a tree of
-    all triangles, which takes 5 s for a million and which a hull doesn't need. Points inside the hull don't
-    change it, so the hull is the same.
+    The result is None for a small file, a flat mesh, or a file with a fault. Given the whole mesh, coal would
+    first build a tree of all triangles, which takes 5 s for a million and which a hull doesn't need. Points
+    inside the hull don't change it, so the hull is the same.
     """
     content = _content(shape)
     if len(content) < _LARGE:
@@ -217,15 +229,15 @@ def _outer_model(shape: Mesh) -> Any | None:
 
 
 def _plain_model(shape: Mesh) -> Prepared | None:
-    """Return a large mesh with equal corners merged, from the cache if it is there.
+    """Return a large mesh with equal corners merged, taken from the cache if possible.
 
-    The result is None if the file is small or faulty. coal's reader takes three times as long, so it is used
-    only if the file can't be read as arrays.
+    The result is None if the file is small or faulty. coal's reader is used only for a file that can't be
+    read as arrays, since it takes three times as long.
     """
     try:
         is_large = shape.path.stat().st_size >= _LARGE
     except OSError:
-        is_large = False  # its fault is reported where the file is read
+        is_large = False  # the error is reported when the file is read
     if not is_large:
         return None
     if not shape.digest:
@@ -249,8 +261,9 @@ def _prepared(shape: Mesh) -> Prepared | None:
     three = _read_by_coal(shape) if three is None else three * (np.array(shape.scale) * shape.unit)
     if not np.isfinite(three).all() or float(np.abs(three).max(initial=0.0)) > _FAR:
         return None
+    # A triangle with two equal corners has no area.
     is_one = [(three[:, a] == three[:, b]).all(axis=1) for a, b in ((0, 1), (1, 2), (2, 0))]
-    corners = three[~np.logical_or.reduce(is_one)].reshape(-1, 3)  # the others are edges without an area
+    corners = three[~np.logical_or.reduce(is_one)].reshape(-1, 3)  # leave out triangles without an area
     if not len(corners):
         return None
     order, of, begins = _joined(corners)
@@ -325,7 +338,9 @@ def _with_all_corners(model: Any, shape: Mesh) -> Any:
 
 
 _ROUGH = 1e-5
-"""Difference of a corner that another reader's rounding may cause, as a share of the largest coordinate."""
+"""Largest difference that rounding may cause between a corner as coal reads it and the same corner in the
+file, as a share of the largest coordinate.
+"""
 
 
 _CORNERS: dict[str, Callable[[bytes], Array | None]] = {".stl": stl_corners, ".obj": obj_corners}
@@ -355,7 +370,7 @@ def _with_hull(model: Any, corners: Array) -> Any:
         except RuntimeError:
             continue
         return model
-    raise UnreadableError("has no hull that can be computed: simplify it")
+    raise UnreadableError("has a convex hull that can't be computed: simplify the mesh")
 
 
 def _content(shape: Mesh) -> bytes:
@@ -396,8 +411,8 @@ def load_mesh(shape: Mesh, *, plain: bool = False) -> Any:
         tree = coal.NODE_TYPE.BV_AABB if plain else coal.NODE_TYPE.BV_OBBRSS
         with on_disk(shape.path, content) as place:
             model = coal.MeshLoader(tree).load(str(place), scale)
-    except Exception as error:  # assimp and boost throw several kinds, which all mean the same
-        raise UnreadableError("can't be read: it isn't one, or is damaged") from error
+    except Exception as error:  # assimp and boost raise errors of several kinds
+        raise UnreadableError("can't be read: the file isn't a mesh, or is damaged") from error
     if model.num_tris == 0:
         raise UnreadableError("has no triangles")
     return model
@@ -428,7 +443,8 @@ def encloses(triangles: Array, point: Array) -> bool:
     arms = triangles - point
     length = np.linalg.norm(arms, axis=2)
     a, b, c = arms[:, 0], arms[:, 1], arms[:, 2]
-    # tan(angle / 2) = a . (b x c) / (|a||b||c| + (a . b)|c| + (b . c)|a| + (c . a)|b|).
+    # Let a, b, c be the vectors from the point to a triangle's corners. The triangle's solid angle follows
+    # from tan(angle / 2) = a . (b x c) / (|a||b||c| + (a . b)|c| + (b . c)|a| + (c . a)|b|).
     volume = np.einsum("ti,ti->t", a, np.cross(b, c))
     rest = length.prod(axis=1)
     for (one, other), far in (((a, b), 2), ((b, c), 0), ((c, a), 1)):

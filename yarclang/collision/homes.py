@@ -20,7 +20,7 @@ Bodies that almost touch would touch after a small motion.
 
 
 def first_free(robot: Robot, proposed: Array) -> tuple[int | None, tuple[tuple[str, str], ...]]:
-    """Return the first of several joint positions in which no bodies of the robot touch or almost touch.
+    """Return the index of the first joint position in which no bodies of the robot touch or almost touch.
 
     Bodies that touch in most positions have shapes that are drawn too large, and don't count. If the meshes
     of a robot can't be read, the first position is returned.
@@ -30,8 +30,8 @@ def first_free(robot: Robot, proposed: Array) -> tuple[int | None, tuple[tuple[s
         proposed: (K, n) joint positions to choose from [rad or m].
 
     Returns:
-        The index of the position, and no pairs; or None and the names of the pairs that touch in the very
-        first position.
+        The index of the position, and no pairs; or None and the names of the pairs that touch in the first
+        of the proposed positions.
     """
     # Use all pairs, including those that touch in HOME.
     scene = scene_of(robot, None, lenient=False).value
@@ -49,13 +49,13 @@ def first_free(robot: Robot, proposed: Array) -> tuple[int | None, tuple[tuple[s
 
 
 def _near(names: Sequence[tuple[str, str]], usual: Array, here: Array, gap: float) -> NDArray[np.bool_]:
-    """Return which pairs of bodies are nearer than a gap in each proposed position, as a mask (P, K).
+    """Return a mask (P, K): for each proposed position, the pairs of bodies that are nearer than a gap.
 
-    Pairs that are nearer than the gap in most positions are left out.
+    Pairs that are nearer than the gap in most of the `usual` positions are left out.
 
     Args:
         names: names of the two bodies of each pair.
-        usual: distances of the pairs in positions spread over the joint limits [m].
+        usual: distances of the pairs in positions spread over the joint limits, (`POSITIONS`, K) [m].
         here: distances of the pairs in the proposed positions (P, K) [m].
         gap: the gap [m].
     """

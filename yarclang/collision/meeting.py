@@ -1,4 +1,4 @@
-"""Find from when to when two bodies are too near during a motion, for messages."""
+"""Find the time of a motion during which two bodies are too near, for messages."""
 
 from __future__ import annotations
 
@@ -17,11 +17,14 @@ SAMPLES = 200
 
 @frozen
 class Contact:
-    """The time of a motion during which two bodies are too near.
+    """The time of a motion during which two bodies are too near. The values are sampled.
 
-    It lasts from `begin` to `end` [s] after the motion's start. The bodies are nearest at `worst` [s], where
-    their distance is `distance` [m]; a negative distance is a depth of penetration. The values are sampled:
-    between the samples the distance may be slightly less.
+    Attributes:
+        begin: start of this time, after the motion's start [s].
+        end: end of this time, after the motion's start [s].
+        worst: time of the sample at which the bodies are nearest, after the motion's start [s].
+        distance: distance of the bodies at this sample [m]; a negative one is a depth of penetration. Between
+            the samples it may be slightly less.
     """
 
     begin: float
@@ -43,10 +46,10 @@ def contact(scene: Scene, course: Course, span: tuple[int, int], meeting: Meetin
     times = np.sort(np.append(np.linspace(start, stop, SAMPLES), meeting.time))
     apart = _apart(scene, course, times, meeting.pair)
     limit = float(scene.pairs.margin[meeting.pair]) + SLACK
-    # coal's distance at one place may differ by rounding from call to call.
+    # coal's distance at one place may differ by rounding from call to call: allow for this.
     (near,) = np.nonzero(apart < max(limit, float(apart.min()) + SLACK))
     ends = []
-    # Bisect between the first and the last sample that is too near and their neighbours.
+    # The bodies become too near, and leave each other, between two samples: find both times by bisection.
     for here, beside in ((int(near[0]), int(near[0]) - 1), (int(near[-1]), int(near[-1]) + 1)):
         inside, outside = float(times[here]), float(times[min(max(beside, 0), len(times) - 1)])
         for _ in range(20 if 0 <= beside < len(times) else 0):

@@ -1,4 +1,4 @@
-"""Compute where bodies are at given joint positions, and the distances of pairs of bodies there."""
+"""Compute where bodies are at given joint positions, and the distances of pairs of bodies."""
 
 from __future__ import annotations
 
@@ -18,9 +18,12 @@ from yarclang.shapes import Array
 class Placed:
     """The arm at P joint positions.
 
-    `turn` (n + 1, P, 3, 3) and `shift` (n + 1, P, 3) [m] are the rotation and translation of a body on the
-    first k joints (row k), from its pose with all joints at zero. `middle` (M, P, 3) [m] are the centers of
-    the bodies' boxes in {B}.
+    Attributes:
+        scene: the bodies.
+        turn: (n + 1, P, 3, 3) row k has the rotation of a body that the first k joints move, from its pose
+            with all joints at zero.
+        shift: (n + 1, P, 3) row k has the translation of this body from its pose with all joints at zero [m].
+        middle: (M, P, 3) centers of the bodies' boxes in {B} [m].
     """
 
     scene: Scene
@@ -43,7 +46,8 @@ def place(scene: Scene, q: Array) -> Placed:
         if joint == 0:
             middle[body] = scene.boxes.middle[body][:, None]
             continue
-        # Samples are the last dimension: R p, as p times the rows of R.
+        # Compute the rotated center R p for all P positions at once: p times the rows of R, since the
+        # position is the last dimension of `pose`.
         np.matmul(scene.boxes.middle[body], pose[joint, :, :3], out=middle[body])
         middle[body] += pose[joint, :, 3]
     return Placed(
@@ -74,9 +78,12 @@ def sphere_gaps(placed: Placed, at: Rows, pair: Rows) -> Array:
 
 @frozen(eq=False)
 class Relative:
-    """The pose of the second body of each of R pairs relative to the first.
+    """The pose of the second body of each of R pairs relative to the first, in the axes of the first one's
+    box.
 
-    `turn` (R, 3, 3) is the rotation, and `middle` (R, 3) the vector between the centers of their boxes [m].
+    Attributes:
+        turn: (R, 3, 3) rotation of the second body's box.
+        middle: (R, 3) vector from the center of the first box to that of the second [m].
     """
 
     turn: Array
@@ -97,6 +104,8 @@ def relative(placed: Placed, at: Rows, pair: Rows) -> Relative:
     """
     scene = placed.scene
     one, other = scene.pairs.first[pair], scene.pairs.second[pair]
+    # With the rotations A of the first box and B of the second in {B}, the second box has the rotation A' B
+    # relative to the first. `first` is A'.
     first = (placed.turn[scene.boxes.joint[one], at] @ scene.boxes.rotation[one]).transpose(0, 2, 1)
     second = placed.turn[scene.boxes.joint[other], at] @ scene.boxes.rotation[other]
     apart = placed.middle[other, at] - placed.middle[one, at]
@@ -136,8 +145,8 @@ def _outside(gap: Array) -> Array:
 
 
 _TOUCHING = 1e-6
-"""Distance [m] up to which coal's result may mean an overlap, which isn't always zero without penetration
-depths.
+"""Distance [m] up to which bodies count as overlapping if no penetration depths are computed: coal's result
+for an overlap is then not always exactly zero.
 """
 
 
@@ -150,8 +159,8 @@ def distances(
         scene: the bodies and pairs.
         pair: (R,) the pairs.
         seen: the second body of each pair relative to the first.
-        deep: True to return minus the depth of penetration of overlapping bodies, for meshes only roughly;
-            False takes half the time.
+        deep: True to return minus the depth of penetration for bodies that overlap; for meshes this depth is
+            approximate. With False, the computation takes half the time.
         normal: (R, 3) array that receives unit directions from the first to the second body, in the first
             body's axes; or None.
     """
@@ -161,6 +170,8 @@ def distances(
     request.enable_signed_distance = deep
     here, there = coal.Transform3s(), coal.Transform3s()
     shapes, own = scene.boxes.solids, scene.boxes.own_middle
+    # Origin of the second shape in the frame of the first one; `seen.middle` is between the centers of the
+    # boxes, which are at `own` in the shapes' frames.
     origin = (
         seen.middle
         + own[scene.pairs.first[pair]]
@@ -192,9 +203,9 @@ def distances(
         for row in np.flatnonzero(scene.boxes.closed[one[pair]] & (found > 0.0)).tolist():
             turn, shift = seen.turn[row], origin[row]
             skin, point = (scene.bodies[which[pair[row]]].geometry for which in (one, other))
-            # Both bodies don't touch, so one point decides if the whole body is inside of the closed mesh.
+            # The bodies don't touch, so one point decides if the whole body is inside of the closed mesh.
             inner = turn @ point.point + shift if inside else turn.T @ (point.point - shift)
-            assert skin.skin is not None  # it is closed
+            assert skin.skin is not None  # every closed mesh has a skin
             if (np.abs(inner - skin.middle) <= skin.half).all() and encloses(skin.skin, inner):
                 found[row] = -found[row]
     return found
@@ -220,6 +231,7 @@ def _of_tiles(
     if isinstance(one.solid, TiledMesh):
         around = turn @ other.middle + shift, other.bound
         return one.solid.distance(other.of_coal, coal.Transform3s(turn, shift), around, request)
+    # The inverse of the pose (R, p) is (R', -R' p).
     back = coal.Transform3s(turn.T.copy(), -turn.T @ shift)
     around = turn.T @ (one.middle - shift), one.bound
     found, toward = other.solid.distance(one.of_coal, back, around, request)

@@ -3,11 +3,11 @@
 This is sharper than a bound from distances if the bodies pass along each other.
 
 A plane that is fixed in the first body, with normal n, separates the bodies a and b by h(t) = min n·b(t) -
-max n·a over their points. Each n·b(t) has a second derivative of at most K. Between two times at distance d
-it is therefore at most K d² / 8 below the chord of its values, and so is the minimum over the points. Motion
-along the plane costs nothing, so grazing bodies need few pieces of the motion's time: their number grows with
-the inverse square root of the distance, not with its inverse. Any normal gives a valid bound; a good one
-gives a sharp bound.
+max n·a over their points. Each n·b(t) has a second derivative of at most K. Between two times that are d
+seconds apart, n·b(t) is therefore at most K d² / 8 below the chord of its values, and so is its minimum over
+the points. Motion along the plane doesn't weaken this bound. Grazing bodies therefore need few pieces of the
+motion's time: their number grows with the inverse square root of the distance, not with its inverse. Any
+normal gives a valid bound; a good one gives a sharp bound.
 """
 
 from __future__ import annotations
@@ -20,14 +20,15 @@ from yarclang.shapes import Array
 
 
 def support(scene: Scene, body: Rows, direction: Array) -> Array:
-    """Return how far bodies reach in given directions: the largest d · p (R,) [m] over their points p,
-    relative to the centers of their boxes.
+    """Return the support functions of bodies in given directions: the largest d · p (R,) [m] over their
+    points p, relative to the centers of their boxes.
 
     Args:
         scene: the bodies.
         body: (R,) the bodies, as indices.
         direction: (R, 3) unit directions d in the bodies' own axes.
     """
+    # The support function of a Minkowski sum is the sum of the support functions of box, ball and disc.
     reach: Array = np.einsum("ri,ri->r", np.abs(direction), scene.boxes.core[body])
     reach = (
         reach + scene.boxes.radius[body] + scene.boxes.disc[body] * np.hypot(direction[:, 0], direction[:, 1])
@@ -35,7 +36,7 @@ def support(scene: Scene, body: Rows, direction: Array) -> Array:
     for one in scene.boxes.cornered:
         (rows,) = np.nonzero(body == one)
         corners = scene.bodies[one].geometry.corners
-        assert corners is not None  # it is among the cornered
+        assert corners is not None  # each body in `cornered` has corners
         if len(rows):
             reach[rows] = (corners @ direction[rows].T).max(axis=0)
     return reach
@@ -52,8 +53,9 @@ def plane_gap(scene: Scene, pair: Rows, seen: Relative, normal: Array) -> Array:
         seen: the second body of each pair relative to the first.
         normal: (R, 3) unit normals in the first body's axes.
     """
-    # Distance of the middles along the normal, less what both bodies reach towards each other.
+    # The gap is the distance of the middles along the normal, less what both bodies reach towards each other.
     along = np.einsum("ri,ri->r", seen.middle, normal)
+    # The second body reaches towards the first, against the normal: in its own axes this direction is -R' n.
     turned = -(normal[:, None, :] @ seen.turn)[:, 0]
     first, second = scene.pairs.first[pair], scene.pairs.second[pair]
     gap: Array = along - support(scene, first, normal) - support(scene, second, turned)
@@ -82,17 +84,20 @@ def least_gap(
 ROUNDING = 1e-12
 """Upper bound of the rounding in a plane's gap [m]: some thirty operations on lengths of up to 10 m."""
 POOR = 1e-6
-"""Difference from the computed distance [m] above which a plane is turned to show a larger gap."""
+"""If the gap along a plane's normal is smaller than the computed distance by more than this length [m], the
+plane is turned to enlarge the gap.
+"""
 _TURNS = 60
 
 
 def proved_gaps(scene: Scene, pair: Rows, seen: Relative, normal: Array, gap: Array) -> Array:
     """Replace computed distances of pairs, which may be inexact, by distances (R,) [m] that planes prove.
 
-    A plane with any normal has the two bodies on opposite sides, by their support functions: their distance
-    is no less than the plane's gap. Therefore an error in a given distance or normal never makes the
-    result too large. Planes with too small a gap are turned towards the nearest points of both bodies. Bodies
-    that overlap, and meshes that aren't their own convex hulls, keep the given distance.
+    For any normal, the support functions of both bodies give a gap between two parallel planes that separate
+    the bodies. The distance of the bodies is no less than this gap. Therefore an error in a given distance or
+    normal never makes the result too large. Planes with too small a gap are turned towards the nearest points
+    of both bodies. Bodies that overlap, and meshes that aren't their own convex hulls, keep the given
+    distance.
 
     Args:
         scene: the bodies and pairs.
@@ -153,10 +158,11 @@ def _turned(scene: Scene, pair: Rows, seen: Relative, normal: Array) -> tuple[Ar
         if not (length > 0.0).all():
             break
         along = at / length[:, None]
+        # The current point is a normal to try: the gap along it is a lower bound of the distance.
         now = plane_gap(scene, pair, seen, along)
         more = now > gap
         best[more], gap[more] = along[more], now[more]
-        # The point nearest to the origin on the segment from `at` to the new support point.
+        # Go on to the point nearest to the origin on the segment from `at` to the new support point.
         step = _difference(scene, pair, seen, along) - at
         square = np.einsum("ri,ri->r", step, step)
         share = np.clip(-np.einsum("ri,ri->r", at, step) / np.where(square > 0.0, square, 1.0), 0.0, 1.0)
@@ -171,6 +177,7 @@ def _difference(scene: Scene, pair: Rows, seen: Relative, direction: Array) -> A
     The directions (R, 3) and the points are in the first body's axes.
     """
     first, second = scene.pairs.first[pair], scene.pairs.second[pair]
+    # Turn the direction into the second body's axes.
     own = (direction[:, None, :] @ seen.turn)[:, 0]
     there = (seen.turn @ _farthest(scene, second, -own)[:, :, None])[:, :, 0] + seen.middle
     difference: Array = there - _farthest(scene, first, direction)
@@ -183,7 +190,7 @@ def _farthest(scene: Scene, body: Rows, direction: Array) -> Array:
     Points are relative to the center of the body's box, in the body's own axes.
     """
     points: Array = (
-        # Farthest point of a Minkowski sum: the sum of the farthest points of box, ball and disc.
+        # The farthest point of a Minkowski sum is the sum of the farthest points of box, ball and disc.
         np.copysign(scene.boxes.core[body], direction) + scene.boxes.radius[body][:, None] * direction
     )
     flat = np.hypot(direction[:, 0], direction[:, 1])
@@ -192,7 +199,7 @@ def _farthest(scene: Scene, body: Rows, direction: Array) -> Array:
     for one in scene.boxes.cornered:
         (rows,) = np.nonzero(body == one)
         corners = scene.bodies[one].geometry.corners
-        assert corners is not None  # it is among the cornered
+        assert corners is not None  # each body in `cornered` has corners
         if len(rows):
             points[rows] = corners[np.argmax(corners @ direction[rows].T, axis=0)]
     return points

@@ -27,29 +27,37 @@ from yarclang.progress import go_on
 from yarclang.shapes import Array
 
 SLACK = 1e-5
-"""Distance beyond their margin below which bodies count as too near [m]: a smaller one isn't proved."""
+"""Bodies count as too near if their distance is less than the margin plus this length [m], since a smaller
+distance isn't proved.
+"""
 RESOLUTION = 2e-4
 """Relative motion of two bodies on a piece of time below which the piece isn't halved any further [m].
 
 Bodies that may still get nearer than their margin on such a piece count as too near.
 """
 KNOWN = 0.1
-"""Distance above which a distance isn't determined more closely [m]."""
+"""Distance [m] above which the proof stops: the distance of two bodies is then only known to be larger."""
 SHARE, COARSE = 0.1, 1e-3
-"""Allowed error of the smallest distance: this share of the distance plus this length [m]."""
+"""Allowed error of the smallest distance: the share `SHARE` of the distance plus the length `COARSE` [m]."""
 FIRST = 0.08
-"""Largest motion of a joint on a piece of time before any halving [rad or m]."""
+"""Largest motion of a joint on a piece of a motion's time before any piece is halved [rad or m]."""
 BLOCK = 2048
 """Number of pieces of time that are examined together."""
 
 
 @frozen
 class Meeting:
-    """A pair of bodies that comes too near on a motion: the first sample at which this was seen, and the
-    distance there [s, m].
+    """A pair of bodies that comes too close during a motion.
 
-    The distance is less than the margin plus `SLACK`. If that can't be decided in reasonable time, it may
-    become less than the margin on a piece of time in which the bodies move by less than `RESOLUTION`.
+    Usually, `distance` is less than the margin plus `SLACK`. Otherwise the pair couldn't be decided in
+    reasonable time: the distance may become less than the margin on a piece of time in which the bodies move
+    by less than `RESOLUTION`.
+
+    Attributes:
+        motion: index of the motion.
+        pair: index of the pair.
+        time: time of the sample at which the pair was first found too close [s]; not always the earliest.
+        distance: distance of the bodies at this time [m].
     """
 
     motion: int
@@ -60,11 +68,14 @@ class Meeting:
 
 @frozen(eq=False)
 class Clearances:
-    """The result of a proof for G motions.
+    """The result of a proof for G motions, and for three kinds of pairs.
 
-    `least` (G, 3) is a lower bound of the distance [m] of all pairs of each of three kinds: of the robot's
-    bodies from each other, of pairs with the cell's bodies, and of pairs that may touch. `nearest` (G, 3) is
-    the pair that comes nearest, -1 if all stay above `KNOWN`. `meetings` are the pairs that come too near.
+    The kinds are: two bodies of the robot, pairs with a body of the cell, and pairs that may touch.
+
+    Attributes:
+        least: (G, 3) lower bound of the distances of all pairs of a kind [m].
+        nearest: (G, 3) index of the pair that comes nearest; -1 if all distances stay above `KNOWN`.
+        meetings: the pairs that come too near.
     """
 
     least: Array
@@ -98,6 +109,7 @@ def clearances(
             search.look(pieces, piece[rows], pair[rows]) for rows in _blocks(piece, count=len(pieces.begin))
         ]
         piece, pair = (np.concatenate([part[side] for part in left]) for side in (0, 1))
+        # Halve each piece with an undecided pair once; its pairs are examined again on both halves.
         halved, at = np.unique(piece, return_inverse=True)
         pieces = pieces.halves(halved)
         piece = np.concatenate([2 * at, 2 * at + 1])
@@ -128,10 +140,17 @@ class _Pieces:
 
 @frozen(eq=False)
 class _Pairs:
-    """R pairs of bodies, each on a piece of a motion's time.
+    """R pairs of bodies, each on a piece of a motion's time, (R,) each.
 
-    `gap` is a lower bound of the distance in the middle of the piece, `apart` an upper bound of the relative
-    motion of the two bodies from there, `nearer` an upper bound of the decrease of their distance [m].
+    Attributes:
+        piece: index of the piece.
+        pair: index of the pair.
+        motion: index of the motion.
+        kind: kind of the pair, as in `Clearances`.
+        apart: upper bound of the relative motion of the two bodies from the middle of the piece to any other
+            instant of it [m].
+        nearer: upper bound of the decrease of their distance from the middle to any other instant [m].
+        gap: lower bound of their distance in the middle of the piece [m].
     """
 
     piece: Rows
@@ -192,11 +211,12 @@ class _Search:
         at = piece - base
         gone = [self.course.gone(time) for time in (begin, middle, end)]
         placed = place(scene, self.course.at(middle))
-        # The farther of both halves bounds the motion from the middle.
+        # From the middle to any instant of the piece, a joint moves by at most its travel in that half of the
+        # piece in which it travels more.
         moves = travel(placed, np.maximum(gone[1] - gone[0], gone[2] - gone[1]))
         apart = moves[scene.boxes.joint[scene.pairs.first[pair]], scene.pairs.second[pair], at]
         motion = pieces.motion[piece]
-        # From cheap to exact: spheres first, then boxes, then coal for the pairs that are still open.
+        # From cheap to exact: spheres first, then boxes, then coal for the pairs that are still undecided.
         rows = _Pairs(at, pair, motion, self.kinds[pair], apart, apart, sphere_gaps(placed, at, pair))
         rows = rows.take(np.flatnonzero(~self.hit[motion, pair]))
         rows = self._open(rows)
@@ -204,7 +224,7 @@ class _Search:
         rows = replace(rows, gap=box_gaps(scene, rows.pair, seen))
         left: list[_Pairs] = []
         number = self._still_open(rows)
-        # Examine the most promising pair of each motion first: its result settles others.
+        # Examine the nearest pair of each motion first: its distance often settles the other pairs.
         for turn in range(2):
             now = number if turn else self._promising(rows, number)
             part, normal = rows.take(now), np.empty((len(now), 3))
@@ -236,7 +256,8 @@ class _Search:
         begin, end = (times[piece] for times in ends)
         middle = placed.take(piece)
         speed, strength = self.course.peaks(begin, end)
-        # Between the middle and an end, the gap of the plane is at most A (d/2)^2 / 8 below its chord.
+        # Let A be the bound of the points' acceleration. In each half of a piece of d seconds, the gap of the
+        # plane is at most A (d/2)^2 / 8 below the chord between its values at the middle and at the end.
         sharpest = accelerations(middle, speed, strength, speed * ((end - begin) / 2.0)[:, None])
         at = np.searchsorted(piece, part.piece)
         first, second = self.scene.pairs.first[part.pair], self.scene.pairs.second[part.pair]
@@ -245,11 +266,14 @@ class _Search:
         arms = place(self.scene, self.course.at(begin)), middle, place(self.scene, self.course.at(end))
         least = least_gap(self.scene, arms, at, part.pair, normal[number], slack)
         nearer = rows.nearer.copy()
+        # `gap - least` is the most by which the distance can fall below the distance in the middle of the
+        # piece.
         nearer[number] = np.minimum(part.nearer, part.gap - least)
         return replace(rows, nearer=nearer)
 
     def _give_up(self, rows: _Pairs, time: Array) -> None:
-        """Report undecided pairs as too near if they move by less than `RESOLUTION` relative to each other.
+        """Report undecided pairs as too near if the two bodies move by less than `RESOLUTION` relative to
+        each other.
 
         Such pairs may still get nearer than their margin.
         """
@@ -258,9 +282,9 @@ class _Search:
             self._meet(rows, int(row), time)
 
     def _still_open(self, rows: _Pairs) -> Rows:
-        """Return the rows whose pairs are undecided by their gaps; record the lower bounds of the other
-        rows.
-        """
+        """Return the rows whose pairs are still undecided; record the lower bounds of the other rows."""
+        # The lower bound on the whole piece is the distance in its middle less the largest decrease from
+        # there.
         surely = rows.gap - rows.nearer
         wanted = np.minimum(KNOWN, (1.0 - SHARE) * self.best[rows.motion, rows.kind] - COARSE)
         # A pair is settled if it keeps its margin, and if it is far enough not to change the least distance
@@ -279,8 +303,9 @@ class _Search:
         return np.sort(order[first])
 
     def _learn(self, rows: _Pairs, time: Array) -> None:
-        """Record the nearest distances, and the first sample at which each pair comes too near."""
-        order = np.argsort(-rows.gap, kind="stable")  # the smallest is written last
+        """Record the nearest distances, and the sample at which each pair is first found too near."""
+        # Sort so that, of several rows of one motion, the nearest is written last.
+        order = np.argsort(-rows.gap, kind="stable")
         at = rows.motion[order], rows.kind[order]
         nearer = rows.gap[order] < self.best[at]
         at = at[0][nearer], at[1][nearer]

@@ -109,7 +109,7 @@ def _unreadable(name: str, shape: Shape, fault: UnreadableError, source: SourceF
     assert isinstance(shape, Mesh)  # only a mesh has a file
     mesh = f"the mesh {shape.path.name} of {name}"
     if isinstance(fault, OpenMeshError):
-        message = f"{mesh} isn't closed, so that it has no inside that {shape.pieces} pieces could contain"
+        message = f"{mesh} isn't closed, so it can't be divided into {shape.pieces} pieces"
         return Diagnostic("Y0960", message, source, None, _OPEN)
     return Diagnostic("Y0904", f"{mesh} {fault}", source, None, _MESH)
 
@@ -147,6 +147,7 @@ def _scene(
         ]
     margin = np.array([body.margin for body in bodies])
     first, second = (np.array([pair[side] for pair in pairs], dtype=np.int64) for side in (0, 1))
+    # The larger margin of both bodies counts, unless an exception allows less.
     limits = np.maximum(margin[first], margin[second])
     least = _least(robot, bodies, pairs, touches) if touches else np.full(len(pairs), np.inf)
     may = (
@@ -183,8 +184,8 @@ def _kind(body: Body) -> str:
 def _least(
     robot: Robot, bodies: tuple[Body, ...], pairs: list[tuple[int, int]], touches: tuple[Touch, ...]
 ) -> Array:
-    """Return, for each pair, the least distance that is allowed while a workpiece is taken or put down, (K,)
-    [m].
+    """Return, for each pair, the least distance that is allowed while a workpiece is grasped or put down,
+    (K,) [m].
 
     The value is infinite for pairs without such an exception, and minus infinity for pairs that may overlap.
     """
@@ -216,7 +217,7 @@ def _pairs(robot: Robot, bodies: tuple[Body, ...]) -> list[tuple[int, int]]:
     # A tool from a rack counts as a tool of robot.toml while it is on the flange.
     own = [body.of_robot or (body.of_tool and not body.of_cell) for body in bodies]
     found = []
-    # Many bodies stand still. They form no pairs with each other.
+    # Most bodies of a cell don't move. They form no pairs with each other.
     for one, other in zip(*np.nonzero(np.tril(joint[:, None] != joint[None])), strict=True):
         body, neighbour = bodies[one], bodies[other]
         joints = sorted((body.joint, neighbour.joint))

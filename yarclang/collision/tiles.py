@@ -16,17 +16,17 @@ from yarclang.shapes import Array
 TILE = 4096
 """Number of triangles of a tile."""
 _BITS = 20
-"""Binary places of each coordinate in the order of the tiles."""
+"""Number of bits to which each coordinate is rounded when triangles are sorted along Morton's curve."""
 _ROUNDED = 1e-9
 """Upper bound of the rounding in the distance of a tile's box [m]."""
 
 
 class TiledMesh:
-    """The triangles of a mesh, divided into tiles of neighbours.
+    """The triangles of a mesh, divided into tiles of neighbouring triangles.
 
-    The distance to another shape is the least of all triangles. Tiles are examined in the order of the
-    distances of their boxes, until no other box is nearer than the least distance found. The tree of a tile
-    is built when the tile is first examined.
+    The distance to another shape is the least distance of any triangle. Tiles are examined in the order of
+    the distances of their boxes, until no other box is nearer than the least distance found. The tree of a
+    tile is built when the tile is first examined.
     """
 
     def __init__(self, corners: Array, faces: NDArray[np.int64]) -> None:
@@ -71,12 +71,13 @@ class TiledMesh:
         import coal
 
         center, radius = around
-        # Distance of the sphere around the other shape from the box of each tile: a lower bound for all its
-        # triangles.
+        # The distance of the sphere around the other shape from the box of a tile is a lower bound for all
+        # triangles of the tile.
         outside = np.maximum(np.maximum(self._low - center, center - self._high), 0.0)
         bound = np.sqrt(np.einsum("ti,ti->t", outside, outside)) - radius - _ROUNDED
         best, normal = np.inf, np.zeros(3)
         answer, here = coal.DistanceResult(), coal.Transform3s()
+        # Examine the nearest boxes first. A box farther than the best distance ends the search.
         for tile in np.argsort(bound).tolist():
             if bound[tile] >= best:
                 break

@@ -1,5 +1,5 @@
-"""Upper bounds, for joints that move by given amounts: how far any point of a body moves, and with which
-acceleration. They hold for all postures on the way.
+"""Upper bounds of the travel and of the acceleration of any point of a body, if the joints move by given
+amounts. The bounds hold for all joint positions on the way.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ def arm_lengths(placed: Placed) -> Array:
     """Return the largest distance of any point of each body from the axis of each joint, (n, M, P) [m]: the
     distance that the point moves per unit of the joint's motion.
 
-    It is 1 for a prismatic joint, and 0 for a joint that doesn't move the body.
+    The value is 1 for a prismatic joint, and 0 for a joint that doesn't move the body.
     """
     scene, chain = placed.scene, placed.scene.chain
     bodies, count = placed.middle.shape[:2]
@@ -51,12 +51,15 @@ def arm_lengths(placed: Placed) -> Array:
         turn, shift = placed.turn[joint], placed.shift[joint]
         rate = float(np.linalg.norm(angular))
         axis = turn @ (angular / rate)
+        # Move the point of the screw's axis that is nearest to the origin, w x v / |w|^2, with the arm. Here
+        # v is the linear part of the screw, and w the angular one.
         point = turn @ (np.cross(angular, linear) / rate**2) + shift
-        # Distance of the body's middle from the axis, |arm x axis|, plus the radius of its sphere.
+        # The lever arm is the distance of the body's middle from the axis, |arm x axis|, plus the radius of
+        # its sphere.
         arm = placed.middle[moved] - point
         away = np.cross(arm, axis)
         radius = np.sqrt(np.einsum("bpi,bpi->bp", away, away)) + scene.boxes.bound[moved, None]
-        # A screw with a pitch slides as well.
+        # A helical joint also translates the body.
         slide = abs(float(angular @ linear)) / rate
         arms[joint, moved] = np.hypot(radius * rate, slide)
     return arms
@@ -65,10 +68,10 @@ def arm_lengths(placed: Placed) -> Array:
 def accelerations(placed: Placed, speed: Array, strength: Array, change: Array) -> Array:
     """Return upper bounds of the acceleration of any point of each body during P time intervals of a motion.
 
-    The joints are numbered from 0. For joints j ≤ i, the second derivative of a point's position with respect
-    to q_j and q_i is a double cross product with the axes of both joints. Its length is at most r_i, the
-    largest distance of any point of the body from the axis of joint i. If joint i is prismatic, the length is
-    at most r_i = 1; if joint j < i is prismatic, or i = j is, the second derivative is 0.
+    The joints are numbered from 0. Joint i has the position q_i, and no point of the body is farther from its
+    axis than r_i. For joints j ≤ i, the second derivative of a point's position with respect to q_j and q_i
+    is a double cross product with the axes of both joints, and its length is at most r_i. If joint i is
+    prismatic, r_i stands for 1; if joint j < i is prismatic, or i = j is, the second derivative is 0.
 
     Row k has the acceleration relative to a body that only the first k joints move. It is at most the sum,
     over the joints i ≥ k, of r_i (|q''_i| + |q'_i|² + 2 |q'_i| Σ |q'_j|). Here Σ goes over the revolute
@@ -90,16 +93,21 @@ def accelerations(placed: Placed, speed: Array, strength: Array, change: Array) 
     away = np.cumsum(steps[::-1], axis=0)[::-1]
     rate = np.linalg.norm(chain.screws[:, 3:], axis=1)
     turning = (speed * rate).T
+    # Sum of |q'_j| over the turning joints before each joint.
     before = np.cumsum(turning, axis=0) - turning
     first, second = np.zeros_like(steps), np.zeros_like(steps)
     for joint in range(chain.size):
-        # Away from the middle, the body may be farther from the axis. For sliding joints nothing changes.
+        # Away from the middle of the interval, the body may be farther from a revolute joint's axis. The
+        # bound of a prismatic joint stays the same.
         reach = arms[joint] + rate[joint] * away[joint + 1]
+        # `first` has the terms r (|q''| + |q'|^2 + 2 |q'| sum |q'_j|), with the sum over all joints before
+        # this one. `second` has the factor 2 r |q'| of this sum: below, the share of the joints before k is
+        # subtracted with it.
         w, a = speed[:, joint], strength[:, joint]
         first[joint] = reach * (a + w * (turning[joint] + 2.0 * before[joint]))
         second[joint] = reach * 2.0 * w
     first, second = (np.cumsum(one[::-1], axis=0)[::-1] for one in (first, second))
-    # Joints that move both bodies have no effect, neither by themselves nor as joints before others.
+    # Joints before k move both bodies and don't change their relative acceleration: remove their share.
     before = np.concatenate([before, before[-1:] + turning[-1:]])
     total: Array = first - before[:, None, :] * second
     return total

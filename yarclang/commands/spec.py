@@ -73,7 +73,7 @@ class Timed:
     """The timetable that a motion command gives.
 
     Attributes:
-        table: times and positions of the way-points.
+        table: times and positions of the waypoints.
         within: (n,) tolerance of the joints [rad or m].
         stretch: factor that multiplies all times.
         file: path of the file with the rows; empty if the rows are in the program.
@@ -91,7 +91,7 @@ class Arguments:
 
     Attributes:
         origin: the command.
-        goals: for each way-point a JointGoal, JointDelta, PoseGoal or PoseDelta, depending on the target in
+        goals: for each waypoint a JointGoal, JointDelta, PoseGoal or PoseDelta, depending on the target in
             the command's name. The name of a joint position gives a JointGoal; a position is an array (3,) in
             {B} [m].
         profile: name of the time profile.
@@ -126,15 +126,15 @@ class CommandSpec:
         examples: lines that compile for every robot after the standard DEFAULT of the documentation.
         old_name: a former name, which gets a finding with a fix; empty without one.
         targets: kind of the values for each target suffix ("" for none); empty for a command without values.
-        waypoints: smallest and largest number of way-points (None: no limit).
+        waypoints: smallest and largest number of waypoints (None: no limit).
         is_motion: True if the command accepts a profile and a motion time.
         frames_may_move: True if the base frame may be on the flange.
-        leading: kinds of the values of the first way-points, if they differ from the target's.
+        leading: kinds of the values of the first waypoints, if they differ from the target's.
         moves_frame: True if the command moves the moving frame along a path. A speed is then allowed.
         may_avoid: True if the command accepts the suffix _AVOID.
         may_search: True if an input may end the command (UNTIL).
-        is_timed: True if each way-point has its own time. The command then accepts no profile, and ignores
-            the time of DEFAULT. The path of a file in quotes may replace the way-points.
+        is_timed: True if each waypoint has its own time. The command then accepts no profile, and ignores
+            the time of DEFAULT. The path of a file in quotes may replace the waypoints.
     """
 
     name: str
@@ -213,9 +213,9 @@ class ActionSpec:
         title: heading of the action's form on pages: a few words.
         summary: one line about the action.
         wants: description of the values, for the finding about wrong ones: `an output and its value`.
-        build: function that creates the steps, which are carried out one after the other. They all have the
-            origin of the arguments.
-        forms: the sets of values that the action accepts, each with another number of values.
+        build: function that creates the steps, which are carried out one after the other. All steps get
+            the `origin` of the arguments.
+        forms: the sets of values that the action accepts, each with a different number of values.
         examples: lines without an index. Their signals must be declared first.
         may_be_a_name: True if the word may also be a declared name, because older programs use it as one.
     """

@@ -34,7 +34,7 @@ _STATES = "sensor_msgs/msg/JointState"
 _MOST_MESSAGES = 2_000_000
 _LISTED = 8
 _SECOND = 1_000_000_000
-"""One second [ns]."""
+"""Number of nanoseconds in a second."""
 
 
 def is_bag(path: Path) -> bool:
@@ -51,13 +51,13 @@ def read_bag(path: Path, topic: str | None, findings: Collector) -> list[Any] | 
         findings: collects findings.
 
     Returns:
-        The messages; None, with a finding, if the bag can't be read, or has no trajectory.
+        The messages; None, with a finding, if the bag can't be read or has no trajectory.
     """
     try:
         from rosbags.highlevel import AnyReader
         from rosbags.typesys import Stores, get_typestore
     except ModuleNotFoundError as error:
-        message = f"bags need the package rosbags, which isn't installed ({error})"
+        message = f"reading bags needs the package rosbags, which isn't installed ({error})"
         help_ = (
             "pip install 'yarclang[bags]'; or print the trajectory: ros2 topic echo --full-length TOPIC "
             "> path.yaml"
@@ -84,7 +84,7 @@ def read_bag(path: Path, topic: str | None, findings: Collector) -> list[Any] | 
 
 
 def _is_part(path: Path) -> bool:
-    """Return True if a file is one of the files of a bag that is a folder."""
+    """Return True if a file belongs to a bag that is a folder."""
     return (path.parent / _METADATA).is_file()
 
 
@@ -122,8 +122,8 @@ def _documents(reader: AnyReader, topic: str | None, findings: Collector) -> lis
 
 
 def _recording(messages: list[tuple[int, Any]], findings: Collector) -> list[Any] | None:
-    """Return recorded joint states as one trajectory. Its times are those of the message headers, counted
-    from the first message.
+    """Return recorded joint states as one trajectory; None, with a finding, if the states have different
+    joints. The times of the trajectory are those in the message headers, counted from the first message.
     """
     names = [list(one.name) for _, one in messages]
     if any(one != names[0] for one in names):

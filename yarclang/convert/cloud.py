@@ -1,4 +1,4 @@
-"""Conversion of a point cloud to a mesh, which a cell.toml may use as an obstacle."""
+"""Convert a point cloud to a mesh that a cell.toml may use as an obstacle."""
 
 from __future__ import annotations
 
@@ -20,10 +20,13 @@ CLOUDS = (".pcd", ".ply")
 """Suffixes of point clouds."""
 
 MOST_TRIANGLES = 2_000_000
-"""Largest number of triangles of the mesh. A larger mesh is refused; a coarser mesh is good enough then."""
+"""Largest number of triangles of the mesh. A larger mesh is refused, since larger cubes are good enough for
+an obstacle of this size.
+"""
 
 _FAR = 1e5
-"""Largest distance of a point from the cloud's origin [m]. The same limit applies to corners of meshes."""
+"""Largest distance of a point from the cloud's origin [m]. The limit for the corners of a mesh is the same.
+"""
 
 
 @frozen(eq=False)
@@ -60,7 +63,7 @@ def mesh_of_cloud(path: Path, unit: float, voxel: float) -> Result[CloudMesh]:
         content = read_whole(path, LARGEST_MESH)
     except OSError as error:
         return _refused(
-            path, "Y0107", f"{path} can't be read: {reason_of(error)}", "check the path and its rights"
+            path, "Y0107", f"{path} can't be read: {reason_of(error)}", "check the path and its permissions"
         )
     found = (pcd_points if path.suffix.lower() == ".pcd" else ply_points)(content)
     if isinstance(found, str):
@@ -71,20 +74,20 @@ def mesh_of_cloud(path: Path, unit: float, voxel: float) -> Result[CloudMesh]:
     far = float(np.abs(points).max())
     if far > _FAR:
         message = (
-            f"the point cloud {path.name} has a point {far:.3g} m from its origin, and at most "
-            f"{_FAR:,.0f} m are allowed"
+            f"the point cloud {path.name} has a point {far:.3g} m from its origin, but at most {_FAR:,.0f} "
+            "m are allowed"
         )
         return _refused(path, "Y1516", message, "check its unit (--units)")
     made = voxels_of(points, voxel, MOST_TRIANGLES)
     if isinstance(made, TooMany):
-        many = f": they make {made.triangles:,} triangles, and at most {MOST_TRIANGLES:,} are allowed"
+        many = f": they make {made.triangles:,} triangles, but at most {MOST_TRIANGLES:,} are allowed"
         message = f"cubes of {voxel / MM:g} mm are too small for {path.name}{many if made.triangles else ''}"
-        return _refused(path, "Y1517", message, "take larger ones (--voxel)")
+        return _refused(path, "Y1517", message, "use larger cubes (--voxel)")
     stl = stl_of(made.triangles / MM)
     return Result(CloudMesh(stl, len(points), len(found) - len(points), made.cubes, len(made.triangles)), ())
 
 
-_AGAIN = "save it again as PCD or PLY, in the frame of its own numbers"
+_AGAIN = "save it again as PCD or PLY, with the points in their own frame"
 
 
 def _refused(path: Path, code: str, message: str, help_: str) -> Result[CloudMesh]:

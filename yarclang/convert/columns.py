@@ -8,16 +8,18 @@ from yarclang.convert.course import Course
 from yarclang.hir import Array
 
 _DECIMALS = {"JOINTS": (6,), "RPY": (6,), "QUAT": (6, 6, 6, 9, 9, 9, 9)}
-"""Largest number of decimals of each value; the last number applies to the rest."""
+"""Largest number of decimals of each value of a target. The last entry of a list also applies to all further
+values.
+"""
 
 STEP = 10
-"""Difference of successive indices."""
+"""Difference between the numbers of successive indices: P0010, P0020."""
 
 SAME_PLACE = 1e-6
-"""Difference of coordinates up to which targets are equal [deg, mm]."""
+"""Largest difference of the coordinates of targets that count as equal [deg, mm]."""
 
 DEFAULT_TIME = "50%"
-"""Time of motions for which the file has no time."""
+"""Time in [ ] for motions without a time in the file."""
 
 
 def rows_of(values: Array, target: str) -> list[str]:
@@ -31,7 +33,7 @@ def rows_of(values: Array, target: str) -> list[str]:
     most = _DECIMALS[target]
     for number, column in enumerate(values.T):
         last = most[min(number, len(most) - 1)]
-        rounded = np.round(column, last) + 0.0  # no minus before a zero
+        rounded = np.round(column, last) + 0.0  # adding 0.0 turns -0.0 into 0.0
         decimals = next(
             (fewer for fewer in range(last) if np.abs(np.round(rounded, fewer) - rounded).max() < 1e-11), last
         )

@@ -1,6 +1,4 @@
-"""Convert a file of any known kind to a YARC program: find out its kind, and call the reader for this
-kind.
-"""
+"""Convert a file to a YARC program: determine the kind of the file, and call the reader for this kind."""
 
 from __future__ import annotations
 
@@ -31,7 +29,7 @@ _YAML_KEY = re.compile(r"\s*-?\s*[a-z_]+:(\s|$)")
 
 
 def convert(source: SourceFile, robot: Robot, wishes: Wishes) -> Result[Converted]:
-    """Convert a table, a trajectory or an SRDF to a program; return None with an error if this fails.
+    """Convert a table, a trajectory or an SRDF to a program; return None, with an error, if this fails.
 
     The kind of the file is determined by its suffix, or by its beginning.
 
@@ -50,7 +48,7 @@ def convert(source: SourceFile, robot: Robot, wishes: Wishes) -> Result[Converte
 
 
 def convert_bag(path: Path, robot: Robot, wishes: Wishes) -> Result[Converted]:
-    """Convert the trajectories of a bag to a program; return None with an error if this fails.
+    """Convert the trajectories of a bag to a program; return None, with an error, if this fails.
 
     Args:
         path: the bag.
@@ -66,13 +64,11 @@ def convert_bag(path: Path, robot: Robot, wishes: Wishes) -> Result[Converted]:
 
 
 def _other_joints(robot: Robot, wishes: Wishes, findings: Collector) -> Result[Converted] | None:
-    """Return an error if the option --joints names more or fewer joints than the robot has; None if it is
-    correct.
-    """
+    """Return an error if the option --joints names more or fewer joints than the robot has, else None."""
     if not wishes.joints or len(wishes.joints) == robot.size:
         return None
-    message = f"--joints names {len(wishes.joints)} joints, {robot.name} has {robot.size}"
-    help_ = f"give the file's names of {', '.join(robot.joint_names)}, in this order"
+    message = f"--joints names {len(wishes.joints)} joints, but {robot.name} has {robot.size}"
+    help_ = f"give the file's names for {', '.join(robot.joint_names)}, in this order"
     findings.add("Y1511", message, None, help_)
     return Result(None, tuple(findings.found))
 

@@ -1,4 +1,4 @@
-"""Targets and joint positions read from a file, before they become a program, and the options of the
+"""Define the content of a file that is converted (targets and joint positions), and the options of the
 conversion.
 """
 
@@ -25,15 +25,16 @@ class Wishes:
 
     Attributes:
         units: units of columns whose names contain no unit.
-        joints: names of the robot's joints in the file, in the robot's order; empty if they are the same as
-            in the robot.
-        form: the robot stops at each target (moves), passes all targets without a stop (spline), or passes
-            them at their times (timed); None to choose by the file.
-        time: time in [ ] that replaces the times of the file.
+        joints: the names that the robot's joints have in the file, in the robot's order; empty if the file
+            uses the robot's names.
+        form: `moves` if the robot stops at each target, `spline` if it passes all targets without a stop,
+            `timed` if it passes them at their times; None to choose by the file's content.
+        time: motion time that the program gives in square brackets; None to use the times in the file.
         every: n to keep each n-th target.
-        tolerance: largest deviation from omitted targets [deg and mm].
-        beside: start of the names of files that may be written beside the program; None to write everything
-            into the program.
+        tolerance: omit targets whose distance from the program's path is at most this [deg and mm]; None to
+            omit none for this reason.
+        beside: prefix for the names of files that may be written into the program's folder; None to write
+            everything into the program.
         topic: the only topic of a bag to read; None for all topics with trajectories.
     """
 
@@ -57,8 +58,8 @@ class Course:
             [deg, mm].
         times: (w,) increasing times [s]; None without times. A first target at time 0 is the start position
             of the robot.
-        names: names of the targets, empty for targets without one; or no names at all.
-        comments: comments of the targets, empty for targets without one; or no comments at all.
+        names: one name for each target, empty for a target without a name; () if no target has one.
+        comments: one comment for each target, empty for a target without a comment; () if no target has one.
         remarks: sentences for the reader of the program.
         velocities: (w, k) velocities of joint values [deg/s, mm/s]; None without velocities.
         accelerations: (w, k) accelerations of joint values [deg/s^2, mm/s^2]; None without accelerations.
@@ -120,7 +121,7 @@ class Converted:
 
     Attributes:
         text: the program.
-        files: names and texts of the files beside the program.
+        files: names and texts of the files that the program refers to.
     """
 
     text: str

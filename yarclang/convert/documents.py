@@ -1,7 +1,7 @@
 """Read YAML and JSON texts as plain data: mappings, lists, texts and numbers.
 
 YAML is read event by event, without recursion. Aliases and tags are refused. A file therefore can't run code,
-and a small file can't become large data.
+and a small file can't expand to large data.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ _DEEPEST = 60
 
 
 def read_json(source: SourceFile, findings: Collector) -> list[Any] | None:
-    """Return the values of a JSON text; None with a finding. The values follow each other directly or are
-    separated by `---`.
+    """Return the values of a JSON text; None, with a finding, if the text isn't JSON. Several values may
+    follow each other directly, or be separated by `---`.
     """
     decoder = json.JSONDecoder()
     text, at = source.text, 0
@@ -34,19 +34,19 @@ def read_json(source: SourceFile, findings: Collector) -> list[Any] | None:
     except json.JSONDecodeError as error:
         message = f"this is not JSON: {error.msg}, at column {error.colno}"
         span = source.whole_line(error.lineno)
-        findings.add("Y1507", message, span, "correct the text here; or it was cut off")
+        findings.add("Y1507", message, span, "correct the text here, or check if the file was cut off")
         return None
     except RecursionError:
-        findings.add("Y1508", "brackets are nested too deep", None, "no trajectory is nested like this")
+        findings.add("Y1508", "brackets are nested too deep", None, "check which file was given")
         return None
-    except ValueError:  # an integer of thousands of digits
+    except ValueError:  # an integer with thousands of digits
         findings.add("Y1507", "a number has too many digits", None, "check which file was given")
         return None
     return documents
 
 
 def read_yaml(source: SourceFile, findings: Collector) -> list[Any] | None:
-    """Return the documents of a YAML stream; None with a finding.
+    """Return the documents of a YAML stream; None, with a finding, if it can't be read.
 
     Scalars become texts, except that empty scalars and nulls become None.
     """
@@ -74,11 +74,11 @@ def read_yaml(source: SourceFile, findings: Collector) -> list[Any] | None:
         for event in yaml.parse(source.text, Loader=loader):
             refusal = ""
             if isinstance(event, yaml.AliasEvent):
-                refusal = f"*{event.anchor} repeats another part of the file"
+                refusal = f"*{event.anchor} is an alias of another part of the file"
             elif getattr(event, "tag", None) is not None and not event.tag.startswith(
                 "tag:yaml.org,2002:str"
             ):
-                refusal = f"the tag {event.tag} asks for something else than plain data"
+                refusal = f"the tag {event.tag} asks for more than plain data"
             elif len(stack) > _DEEPEST:
                 refusal = f"it is nested more than {_DEEPEST} deep"
             if refusal:
@@ -103,6 +103,11 @@ def read_yaml(source: SourceFile, findings: Collector) -> list[Any] | None:
         line = min(mark.line + 1, max(len(source.lines), 1)) if mark else 1
         problem = getattr(error, "problem", None) or str(error)
         message = f"this is not YAML: {problem}"
-        findings.add("Y1507", message, source.whole_line(line), "correct the text here; or it was cut off")
+        findings.add(
+            "Y1507",
+            message,
+            source.whole_line(line),
+            "correct the text here, or check if the file was cut off",
+        )
         return None
     return documents

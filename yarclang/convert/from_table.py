@@ -20,7 +20,7 @@ _QUATERNION_TOLERANCE = 1e-3
 
 
 def content_of_table(source: SourceFile, robot: Robot, wishes: Wishes, findings: Collector) -> Content | None:
-    """Return the motion in a table of targets; None with a finding.
+    """Return the motion in a table of targets; None, with a finding, if the table has mistakes.
 
     Args:
         source: the file.
@@ -79,7 +79,12 @@ def _rising(table: Table, times: Array, findings: Collector) -> bool:
         return True
     row = int(np.argmax(steps <= 0)) + 1
     message = f"the time {times[row]:g} s isn't later than the one before, {times[row - 1]:g} s"
-    findings.add("Y1509", message, table.line_span(row), "times rise from row to row; or remove the column")
+    findings.add(
+        "Y1509",
+        message,
+        table.line_span(row),
+        "make the times increase from row to row, or remove the column",
+    )
     return False
 
 
@@ -91,12 +96,13 @@ def _are_rotations(table: Table, quaternions: Array, findings: Collector) -> boo
         return True
     row = int(np.argmax(bad))
     message = f"the quaternion qx qy qz qw has the norm {norms[row]:.6g}, not 1"
-    findings.add("Y1505", message, table.line_span(row), "qw is the real part")
+    findings.add("Y1505", message, table.line_span(row), "normalize it; qw is the real part")
     return False
 
 
 def _names(table: Table, columns: Columns, values: Array, findings: Collector) -> tuple[str, ...] | None:
-    """Return the targets' names in a table, converted to names that the language allows; None with a finding.
+    """Return the targets' names in a table, converted to names that the language allows. Return None, with a
+    finding, if that isn't possible.
 
     Rows with equal names must have equal values.
     """
@@ -115,8 +121,8 @@ def _names(table: Table, columns: Columns, values: Array, findings: Collector) -
         name = text.upper()
         before = first.setdefault(name, number)
         if not np.array_equal(values[before], values[number]):
-            message = f"{name} is another place in line {table.lines[before]}"
-            findings.add("Y1510", message, table.line_span(number), "give each place a name of its own")
+            message = f"{name} is already another position in line {table.lines[before]}"
+            findings.add("Y1510", message, table.line_span(number), "give each position its own name")
             return None
         names.append(name)
     return tuple(names)

@@ -28,8 +28,8 @@ class Column:
 
     Attributes:
         number: index of the column.
-        meaning: name of its quantity.
-        unit: its unit; None without a dimension.
+        meaning: what the column contains: name of a joint or a coordinate, `J1_velocity`, `time` and so on.
+        unit: unit of its numbers; None for a column without a unit.
     """
 
     number: int
@@ -44,9 +44,9 @@ class Columns:
     Attributes:
         target: kind of the targets in the rows: JOINTS, RPY or QUAT.
         values: columns of the target values, in their order.
-        time: column of the time; None without one.
-        name: column of the names; None without one.
-        comment: column of the comments; None without one.
+        time: column of the time; None if there is no such column.
+        name: column of the names; None if there is no such column.
+        comment: column of the comments; None if there is no such column.
         velocities: columns of the joints' velocities; may be empty.
         accelerations: columns of the joints' accelerations; may be empty.
     """
@@ -63,13 +63,14 @@ class Columns:
 def understand(
     table: Table, robot: Robot, joints: tuple[str, ...], units: Mapping[Kind, Unit], findings: Collector
 ) -> Columns | None:
-    """Return the columns of a table by their meanings; None with a finding, which lists recognised and
-    missing columns.
+    """Return the columns of a table by their meanings. Return None, with a finding, if columns or units are
+    missing, or if two columns have the same meaning.
 
     Args:
         table: the table.
         robot: the robot. Columns may have the names of its joints, or j1, q1, joint1, joint_1 and so on.
-        joints: names of the joints in the table, in the robot's order; may be empty.
+        joints: the names that the robot's joints have in the table, in the robot's order; empty if the table
+            uses the robot's names.
         units: units of columns whose names contain no unit.
         findings: collects findings, including a warning for columns that are ignored.
     """
@@ -83,7 +84,7 @@ def understand(
         if not meaning:
             unknown += [cell] if cell else []
         elif meaning in found:
-            _refuse(table, findings, f"two columns are {meaning}", found, unknown)
+            _refuse(table, findings, f"two columns give {meaning}", found, unknown)
             return None
         else:
             found[meaning] = number, unit
@@ -105,7 +106,7 @@ def understand(
             chosen = unit_of(text, kind, order) if text else units.get(kind)
             if text and chosen is None:
                 per = PER_SECOND[order]
-                message = f"column {table.header[number]!r}: {text} is no unit of {kind}{per and ' ' + per}"
+                message = f"column {table.header[number]!r}: {text} isn't a unit of {kind}{per and ' ' + per}"
                 help_ = f"the units are {', '.join(one + per for one in units_of(kind))}"
                 findings.add("Y1506", message, table.source.whole_line(table.header_line), help_)
                 return None
@@ -122,7 +123,7 @@ def understand(
         findings.add("Y1506", message, table.source.whole_line(table.header_line), help_)
         return None
     if unknown:
-        message = f"not taken: column{'s' * (len(unknown) > 1)} {', '.join(unknown)}"
+        message = f"ignored: column{'s' * (len(unknown) > 1)} {', '.join(unknown)}"
         findings.add("Y1503", message, table.source.whole_line(table.header_line))
     return Columns(
         target,
@@ -155,13 +156,13 @@ def _rates(
 
 
 def _meaning(name: str, robot: Robot, own: Mapping[str, str]) -> str:
-    """Return the meaning of a column: a joint, a coordinate of a pose, time, name or comment; empty if the
-    name isn't recognised.
+    """Return the meaning of a column: a joint, its velocity or acceleration, a coordinate of a pose, time,
+    name or comment. The result is empty if the name isn't recognised.
 
     Args:
         name: name of the column.
         robot: the robot.
-        own: the robot's joint for each joint name in the table, in lower case.
+        own: names of the robot's joints, by the names that they have in the table, in lower case.
     """
     low = name.lower()
     if low in own:
@@ -181,13 +182,13 @@ def _meaning(name: str, robot: Robot, own: Mapping[str, str]) -> str:
 def _target(
     table: Table, robot: Robot, found: Mapping[str, object], unknown: list[str], findings: Collector
 ) -> tuple[Target, tuple[str, ...]] | None:
-    """Return the kind of targets that the columns describe, and the meanings of the target values in order;
-    None with a finding.
+    """Return the kind of targets that the columns describe, and the meanings of the target values in order.
+    Return None, with a finding, if the columns describe no target or different kinds of targets.
     """
     pose = [name for name in (*_PLACE, *_TURNS["RPY"], *_TURNS["QUAT"]) if name in found]
     joints = [name for name in robot.joint_names if name in found]
     if joints and pose:
-        message = "there are joint values and poses, and both can't be the target"
+        message = "there are both joint values and poses, but a target is one of them"
         _refuse(table, findings, message, found, unknown)
         return None
     if not joints and not pose:
@@ -235,8 +236,8 @@ def _refuse(
     strange = f"; not recognised: {', '.join(one[:40] for one in unknown[:8])}" if unknown else ""
     help_ = (
         "columns are j1 j2 ... or the robot's joint names; or x y z with roll pitch yaw or qx qy qz qw; "
-        "and optionally time, j1_velocity ..., j1_acceleration ..., name, comment. They are divided by "
-        "commas, semicolons or tabs"
+        "and optionally time, j1_velocity ..., j1_acceleration ..., name, comment, separated by commas, "
+        "semicolons or tabs"
     )
     span = table.source.whole_line(table.header_line)
     findings.add("Y1502", f"{message} ({known}{strange})", span, help_)

@@ -1,4 +1,4 @@
-"""Conversion of a height field to a mesh, which a cell.toml may use as an obstacle."""
+"""Convert a height field to a mesh that a cell.toml may use as an obstacle."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ from yarclang.source import SourceFile
 from yarclang.units import MM
 
 _FAR = 1e5
-"""Largest height, and largest extent, of a field [m]. The same limit applies to corners of meshes."""
+"""Largest height, and largest extent, of a height field [m]. The limit for the corners of a mesh is the same.
+"""
 
 
 @frozen(eq=False)
@@ -43,8 +44,8 @@ def mesh_of_heights(path: Path, unit: float, spacing: float, every: int) -> Resu
     Args:
         path: an NPY or CSV file.
         unit: unit of the heights in the file [m].
-        spacing: distance of neighbouring heights [m].
-        every: number of spacings that become one cell of the mesh.
+        spacing: distance between neighbouring heights [m].
+        every: edge length of a cell of the mesh, as a number of spacings.
 
     Returns:
         The mesh; None, with a finding, if the field can't be read or is too large.
@@ -53,7 +54,7 @@ def mesh_of_heights(path: Path, unit: float, spacing: float, every: int) -> Resu
         content = read_whole(path, LARGEST_MESH)
     except OSError as error:
         return _refused(
-            path, "Y0107", f"{path} can't be read: {reason_of(error)}", "check the path and its rights"
+            path, "Y0107", f"{path} can't be read: {reason_of(error)}", "check the path and its permissions"
         )
     found = heights_of(path.suffix, content)
     if isinstance(found, str):
@@ -65,20 +66,20 @@ def mesh_of_heights(path: Path, unit: float, spacing: float, every: int) -> Resu
     far = max(float(np.abs(heights[known]).max()), max(found.shape) * spacing)
     if far > _FAR:
         message = (
-            f"the height field {path.name} reaches {far:.3g} m far, and at most {_FAR:,.0f} m are allowed"
+            f"the height field {path.name} extends to {far:.3g} m, but at most {_FAR:,.0f} m are allowed"
         )
         return _refused(path, "Y0962", message, "check its unit (--units) and --spacing")
     made = below(heights / MM, spacing / MM, every, MOST_TRIANGLES)
     if isinstance(made, TooMany):
         message = (
-            f"the height field {path.name} makes {made.triangles:,} triangles, and at most "
+            f"the height field {path.name} makes {made.triangles:,} triangles, but at most "
             f"{MOST_TRIANGLES:,} are allowed"
         )
         more = every
         while more < 2 * max(found.shape) and made.triangles * every**2 > MOST_TRIANGLES * more**2:
             more += 1
         return _refused(
-            path, "Y0963", message, f"join cells, each as high as its highest place: --every {more}"
+            path, "Y0963", message, f"merge cells, each as high as its highest point: --every {more}"
         )
     rows, columns = found.shape
     return Result(HeightMesh(stl_of(made), (rows, columns), int((~known).sum()), len(made)), ())

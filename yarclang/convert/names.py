@@ -1,4 +1,4 @@
-"""Check if names in converted files are allowed in a program."""
+"""Check whether names in converted files are allowed in a program."""
 
 from __future__ import annotations
 
@@ -16,7 +16,10 @@ def legal_name(text: str, is_frame: bool = False) -> str:
     """Return the reason why a text can't be the name of a joint position or frame; empty if it can be."""
     name = text.upper()
     if not _NAME.fullmatch(text):
-        return f"{text[:40]!r} is no name: a name has letters A to Z, digits and _, and no digit first"
+        return (
+            f"{text[:40]!r} isn't a name: a name has letters A to Z, digits and _, and doesn't begin "
+            "with a digit"
+        )
     if is_frame:
         return f"{{{name}}} comes from the robot and can't be declared" if name in FIXED_FRAMES else ""
     if name in RESERVED or name in commands() or name in actions() or _INDEX.fullmatch(name):

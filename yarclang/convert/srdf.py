@@ -19,8 +19,8 @@ _NUMBER = re.compile(r"\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*", re.ASCII)
 
 
 def content_of_srdf(source: SourceFile, robot: Robot, wishes: Wishes, findings: Collector) -> Content | None:
-    """Return the joint positions of all group states of an SRDF that concern the robot's joints; None with an
-    error.
+    """Return the joint positions of all group states of an SRDF that concern the robot's joints. Return None,
+    with an error, if a state has mistakes.
 
     States of other groups, for example of a gripper, are reported and ignored.
 
@@ -58,12 +58,12 @@ def content_of_srdf(source: SourceFile, robot: Robot, wishes: Wishes, findings: 
             findings.add("Y1510", refusal, span, "choose another name in the SRDF")
             return None
         if name.upper() in taken:
-            message = f"{name} is the name of another state, in line {taken[name.upper()][1]}"
-            findings.add("Y1510", message, span, "give each state a name of its own")
+            message = f"{name} is already the name of another state, in line {taken[name.upper()][1]}"
+            findings.add("Y1510", message, span, "give each state its own name")
             return None
         taken[name.upper()] = q, span.line
     if not taken:
-        message = f"no state names the joints of {robot.name}"
+        message = f"no state has exactly the joints of {robot.name}"
         findings.add("Y1511", message, _span(text, root), _joints_help(robot))
         return None
     positions = tuple((name, q) for name, (q, _) in taken.items())
@@ -85,7 +85,7 @@ def _values(
     extra = [name for name in given if name not in wanted]
     span = _span(text, state)
     if len(missing) == len(wanted):
-        findings.add("Y1503", f"not taken: state {shown}, which names other joints", span)
+        findings.add("Y1503", f"ignored: state {shown}, which names other joints", span)
         return None
     if missing or extra:
         parts = [
@@ -98,7 +98,7 @@ def _values(
     for number, name in enumerate(wanted):
         value = given[name].attributes.get("value", "")
         if not _NUMBER.fullmatch(value) or abs(float(value)) > LARGEST:
-            message = f"state {shown}: the value of {name} is {value[:40]!r}, no finite number"
+            message = f"state {shown}: the value of {name} is {value[:40]!r}, which isn't a finite number"
             findings.add(
                 "Y1505", message, _span(text, given[name]), "values are in rad, m for prismatic joints"
             )
@@ -110,8 +110,8 @@ def _values(
 def _joints_help(robot: Robot) -> str:
     names = ", ".join(robot.joint_names)
     return (
-        f"{robot.name} has {names}; if the file calls them otherwise, say --joints with its names in "
-        f"this order"
+        f"{robot.name} has {names}; if the file names them differently, give its names in this order by "
+        "--joints"
     )
 
 

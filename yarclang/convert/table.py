@@ -1,4 +1,4 @@
-"""Read CSV texts: from a text to the cells of a table, and from the cells to numbers."""
+"""Read CSV texts: divide a text into the cells of a table, and read the numbers in the cells."""
 
 from __future__ import annotations
 
@@ -46,10 +46,10 @@ class Table:
 
 
 def read_table(source: SourceFile, findings: Collector) -> Table | None:
-    """Read the cells of a CSV text; None with a finding.
+    """Read the cells of a CSV text; return None, with a finding, if it has mistakes.
 
-    Empty lines, and lines that begin with #, are ignored. The first other line is the header, which may also
-    begin with #.
+    The first line with text is the header. It may begin with #. All later lines that are empty or begin with
+    # are ignored.
     """
     lines = list(source.lines)
     first = next((number for number, line in enumerate(lines) if line.strip(" \t#;,")), None)
@@ -82,29 +82,30 @@ def read_table(source: SourceFile, findings: Collector) -> Table | None:
         line = first + reader.line_num
         findings.add(
             "Y1504",
-            f"the table can't be read on from here: {error}",
+            f"the table can't be read from here on: {error}",
             source.whole_line(line),
-            "look for a quote that isn't closed",
+            "check for a quote that isn't closed",
         )
         return None
     if ragged:
         line, count = ragged[0]
         more = _more(len(ragged), "line")
-        message = f"this line has {count} cell{'s' * (count != 1)}, the header has {len(header)}{more}"
-        findings.add("Y1504", message, source.whole_line(line), "every line has a cell for each column")
+        message = f"this line has {count} cell{'s' * (count != 1)}, but the header has {len(header)}{more}"
+        findings.add("Y1504", message, source.whole_line(line), "give every line one cell for each column")
         return None
     if not rows:
         span = source.whole_line(first + 1)
-        findings.add("Y1504", "the table has a header and no row", span, "check which file was given")
+        findings.add("Y1504", "the table has a header but no row", span, "check which file was given")
         return None
     return Table(source, delimiter, header, first + 1, tuple(rows), tuple(numbers))
 
 
 def numbers_of(table: Table, columns: Sequence[int], findings: Collector) -> Array | None:
-    """Return columns of a table as numbers (rows, columns); None with a finding.
+    """Return columns of a table as numbers (rows, columns). A decimal comma is allowed if the delimiter isn't
+    a comma.
 
-    A decimal comma is allowed if the delimiter isn't a comma. The finding is at the first cell that isn't a
-    number, and states the number of further such cells.
+    Return None, with a finding, if cells aren't numbers. The finding is at the first of these cells, and
+    states how many others there are.
     """
     values = np.empty((len(table.rows), len(columns)))
     bad: list[tuple[int, int]] = []
@@ -131,21 +132,23 @@ def numbers_of(table: Table, columns: Sequence[int], findings: Collector) -> Arr
         number, column = min(bad)
         cell = table.rows[number][column]
         shown = f"{cell[:40]!r}" if cell else "an empty cell"
-        message = f"{shown} in column {table.header[column]!r} is no number{_more(len(bad), 'cell')}"
-        help_ = f"a number is finite, at most {LARGEST:g}, and stands alone: its unit goes into the header"
+        message = f"{shown} in column {table.header[column]!r} isn't a number{_more(len(bad), 'cell')}"
+        help_ = f"write finite numbers up to {LARGEST:g} without a unit; units go into the header"
         findings.add("Y1505", message, table.line_span(number), help_)
         return None
     if commas and points:
         comma, point = (table.rows[number][column] for number, column in (commas, points))
-        message = f"numbers are written with a decimal comma ({comma}) and with a decimal point ({point})"
-        help_ = "write all with a point; there are no marks between thousands"
+        message = (
+            f"numbers are written both with a decimal comma ({comma}) and with a decimal point ({point})"
+        )
+        help_ = "write all with a point, and without separators of thousands"
         findings.add("Y1505", message, table.line_span(commas[0]), help_)
         return None
     return values
 
 
 def _more(count: int, what: str) -> str:
-    """Return the end of a message that states in how many further cells or lines the same mistake is; empty
-    if there are none.
+    """Return the end of a message about a mistake that states how many further cells or lines have this
+    mistake; empty if there are none.
     """
     return f" (and {count - 1:,} more {what}{'s' * (count > 2)})" if count > 1 else ""

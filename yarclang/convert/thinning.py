@@ -17,10 +17,10 @@ from yarclang.motion.paths.spline import distinct, through
 from yarclang.robot.model import Robot
 
 _SAMPLES = 16
-"""Number of chords that approximate a leg of the spline."""
+"""Number of chords that approximate the spline between two kept targets."""
 _COARSE = 50
-"""Factor of the tolerance with which the first targets of a spline are chosen. A spline needs far fewer
-targets than straight lines do.
+"""The first targets of a spline are chosen as for straight lines, with the tolerance times this factor,
+because a spline needs far fewer targets than straight lines do.
 """
 
 
@@ -28,13 +28,14 @@ def thinned(course: Course, every: int, tolerance: float | None, robot: Robot, f
     """Return a course (a motion) with fewer targets. The first and the last target are always kept.
 
     The tolerance applies to all joints together (root of the sum of squares), or to position and orientation
-    of a pose together. Distances are measured to the path that the program will follow: the spline in joint
-    space, the path at the times of targets with times, or otherwise straight lines from target to target.
+    of a pose together. Distances are measured to the path that the program will follow. For joint values in
+    the form `spline`, this is the spline in joint space; in the form `timed`, it is the position on the path
+    at the target's time. Otherwise, it is the straight lines from target to target.
 
     Args:
         course: the course.
         every: n to keep each n-th target.
-        tolerance: largest distance of omitted targets [deg and mm]; None to keep all.
+        tolerance: largest distance of omitted targets from the path [deg and mm]; None to keep all targets.
         robot: the robot.
         form: the form of the motion.
     """
@@ -54,8 +55,8 @@ def thinned(course: Course, every: int, tolerance: float | None, robot: Robot, f
 
 
 def _in_time(course: Course, tolerance: float) -> NDArray[np.intp]:
-    """Return the indices (m,) of targets to keep in a course with times. At the times of all other targets,
-    the path through the kept ones is within the tolerance of these targets.
+    """Return the indices (m,) of targets to keep in a course with times. At the time of each omitted target,
+    the path through the kept targets is within the tolerance of the omitted target.
     """
     assert course.times is not None
     kept = np.array([0, course.size - 1])
@@ -64,7 +65,7 @@ def _in_time(course: Course, tolerance: float) -> NDArray[np.intp]:
         off[kept] = 0.0
         if (off <= tolerance).all():
             return kept
-        # find the target of each leg that exceeds the tolerance most
+        # Between each two kept targets, find the target that exceeds the tolerance most.
         leg = np.searchsorted(kept, np.arange(course.size), side="right")
         order = np.lexsort((-off, leg))
         worst = order[np.unique(leg[order], return_index=True)[1]]
@@ -76,8 +77,8 @@ def path_in_time(course: Course, times: Array) -> Array:
     through a course.
 
     With accelerations the path is quintic; with velocities only, it is cubic. Otherwise it is a cubic spline
-    in time that is at rest at both ends. The path begins at the first target of the course, even if this
-    target has a later time than 0: the position of the robot before it isn't known.
+    in time that is at rest at both ends. The path begins at the first target of the course. If the first
+    target's time is later than 0, the path before it isn't known.
     """
     from scipy.interpolate import BPoly, CubicHermiteSpline, CubicSpline
 
@@ -94,8 +95,8 @@ def path_in_time(course: Course, times: Array) -> Array:
 
 
 def way_shares(points: Array) -> Array:
-    """Return the path length up to each of `points` (w, k) as a share of the whole length, (w,) from 0 to 1.
-    These shares are the knots of a spline.
+    """Return the path length up to each of `points` (w, k), relative to the whole length: (w,) from 0 to 1.
+    These values are the knots of a spline.
     """
     way = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))))
     shares: Array = way / way[-1]
@@ -105,8 +106,8 @@ def way_shares(points: Array) -> Array:
 def _points(course: Course) -> Array:
     """Return targets as points of a space in which distances are in deg and mm.
 
-    Points are joint values, or positions and twice the quaternions in deg. A chord between two quaternions
-    runs inside the arc between them, so that distances of rotations are slightly overestimated.
+    Points are joint values or, for poses, positions and twice the quaternions in deg. A chord between two
+    quaternions runs inside the arc between them; distances of rotations are therefore slightly overestimated.
     """
     if course.target == "JOINTS":
         return course.values
@@ -152,8 +153,8 @@ def _peucker(points: Array, tolerance: float) -> NDArray[np.bool_]:
 def _along_spline(
     points: Array, keep: NDArray[np.bool_], tolerance: float, robot: Robot
 ) -> NDArray[np.bool_]:
-    """Return the mask of the kept targets with others added, until the natural spline through the kept
-    targets is within the tolerance of all others.
+    """Return a mask of targets to keep: those of the mask `keep`, and further targets. These are added until
+    the natural spline through all kept targets is within the tolerance of all omitted targets.
     """
     units = robot.axis_units
     keep = keep.copy()
@@ -175,7 +176,7 @@ def _along_spline(
             distances = np.minimum(distances, _to_chords(points[left], *ends))
         if (distances <= tolerance).all():
             return keep
-        # find the target of each leg that exceeds the tolerance most
+        # Between each two kept targets, find the target that exceeds the tolerance most.
         order = np.lexsort((-distances, leg))
         worst = order[np.unique(leg[order], return_index=True)[1]]
         keep[left[worst[distances[worst] > tolerance]]] = True

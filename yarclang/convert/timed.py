@@ -1,5 +1,5 @@
-"""Write joint values with times as the command MOVEJ_TIMED: in lines of the program, or in a file beside
-it.
+"""Write joint values with times as the command MOVEJ_TIMED, with its waypoints in lines of the program or in
+a file.
 """
 
 from __future__ import annotations
@@ -26,15 +26,19 @@ from yarclang.semantics.motions.trajectory_file import write_table
 from yarclang.units import DEG, MM
 
 MOST_LINES = 20
-"""Largest number of way-points in the program. If there are more, all are written into a file."""
+"""Largest number of waypoints that are written into the program. If a motion has more, all its waypoints
+are written into a file.
+"""
 
 _SMALL_ANGLE, _SMALL_LENGTH = 1e-5 / DEG, 1e-5 / MM
-"""Change of the path up to which a velocity at an end of the course counts as noise [deg, mm]: a tenth of the
-allowed error.
+"""A velocity at an end of the course counts as noise if setting it to 0 changes the path by at most this
+[deg, mm]. This value is a tenth of the allowed error.
 """
 
 _SAMPLES = 8
-"""Number of intervals of a leg at whose ends two paths are compared."""
+"""Number of intervals into which the section between two waypoints is divided to compare two paths. The
+paths are compared at the ends of these intervals.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,9 +47,9 @@ class Written:
 
     Attributes:
         rows: the lines.
-        index: number of the next index.
+        index: number of the index for the command after these lines.
         remarks: sentences for the reader of the program.
-        files: names and texts of files beside the program.
+        files: names and texts of the files that the lines refer to.
     """
 
     rows: list[str]
@@ -57,17 +61,18 @@ class Written:
 def at_rest(
     course: Course, where: str, robot: Robot, findings: Collector
 ) -> tuple[Course, tuple[str, ...]] | None:
-    """Return a course (a motion) that is at rest at both ends, and remarks. Velocities at the ends that are
-    only noise are set to 0.
+    """Return a course (a motion) that is at rest at its end and, if it begins at time 0, also at its start.
+    Velocities at these places that are only noise are set to 0. Also return remarks about this change.
 
     Args:
         course: joint values with times.
-        where: start of the finding, which names the course.
+        where: text at the start of the finding that names the course.
         robot: the robot.
         findings: collects a finding about a course that begins or ends in motion.
 
     Returns:
-        None, with a finding, if the course is in motion at an end where the robot has to be at rest.
+        The course and the remarks; None, with a finding, if the course is in motion where the robot has to be
+        at rest.
     """
     velocities, times = course.velocities, course.times
     if velocities is None or times is None:
@@ -79,7 +84,8 @@ def at_rest(
         if row == 0 and not course.begins:
             continue
         speeds = np.abs(velocities[row])
-        # A velocity v at an end of a leg of duration h changes its cubic polynomial by up to 4/27 h v.
+        # A velocity v at one end of an interval of duration h changes the interval's cubic polynomial by up
+        # to 4/27 h v.
         excess = speeds * abs(times[near] - times[row]) * 4.0 / 27.0 / small
         joint = int(np.argmax(excess))
         if excess[joint] > 1.0:
@@ -90,8 +96,8 @@ def at_rest(
                 f"{times[row]:.6g} s"
             )
             help_ = (
-                "a program's motion begins and ends at rest: take the whole recording; or --as spline "
-                "keeps the way without the times"
+                "convert the whole recording, which begins and ends at rest; or use --as spline, which "
+                "keeps the path without the times"
             )
             findings.add("Y1513", message, None, help_)
             return None
@@ -144,7 +150,7 @@ def timed_motion(course: Course, index: int, here: Array | None, robot: Robot, f
             rows, index + STEP, tuple(remarks), ((file, write_table(robot, _table(course, robot))),)
         )
     if has_start_acceleration:
-        # the lines have no entry for time 0
+        # a program's lines have no entry for time 0, and so no acceleration at the start
         without = replace(course, accelerations=None)
         off = _difference(course, without)
         units = "/".join(dict.fromkeys(robot.axis_unit_names))
@@ -163,7 +169,7 @@ def _is_plain(course: Course) -> bool:
 
 
 def _path(course: Course) -> str:
-    """Return the kind of interpolation between the way-points, in words."""
+    """Return the kind of interpolation between the waypoints, in words."""
     if course.velocities is None:
         return "between them each joint follows one cubic spline in time, with continuous acceleration."
     if course.accelerations is None:
@@ -174,7 +180,7 @@ def _path(course: Course) -> str:
 
 
 def _table(course: Course, robot: Robot) -> Timetable:
-    """Return the course as a table of way-points in SI units."""
+    """Return the course as a table of waypoints in SI units."""
     assert course.times is not None
     rates = [
         None if some is None else some * robot.axis_units
@@ -192,7 +198,7 @@ def _difference(one: Course, other: Course) -> float:
 
 
 def _lines(course: Course, index: int) -> list[str]:
-    """Return the program lines of a MOVEJ_TIMED with its way-points, one per line."""
+    """Return the program lines of a MOVEJ_TIMED with its waypoints, one per line."""
     assert course.times is not None
     begin = int(course.begins)
     times = [f"[{_to_nanoseconds(time)}]" for time in course.times[begin:]]

@@ -23,7 +23,8 @@ _MULTI_DOF = "multi_dof_joint_trajectory"
 def content_of_documents(
     documents: list[Any], robot: Robot, wishes: Wishes, findings: Collector
 ) -> Content | None:
-    """Return all trajectories in YAML or JSON documents, in their order; None with a finding.
+    """Return all trajectories in YAML or JSON documents, in their order; None, with a finding, if there are
+    none, or if one has mistakes.
 
     Args:
         documents: plain data.
@@ -33,8 +34,8 @@ def content_of_documents(
     """
     messages = list(_trajectories(documents))
     if not messages:
-        help_ = "a trajectory has joint_names and points, alone or inside of another message"
-        findings.add("Y1509", "there is no JointTrajectory in it", None, help_)
+        help_ = "give a file with joint_names and points, by themselves or inside of another message"
+        findings.add("Y1509", "the file has no JointTrajectory", None, help_)
         return None
     courses: list[Course] = []
     for number, message in enumerate(messages, 1):
@@ -77,11 +78,11 @@ def _is_empty_multi_dof(key: str, value: Any) -> bool:
 def _course(
     message: Mapping[str, Any], where: str, robot: Robot, wanted: tuple[str, ...], findings: Collector
 ) -> Course | None:
-    """Return one trajectory as a course (a motion to convert); None with a finding.
+    """Return one trajectory as a course (a motion to convert); None, with a finding, if it has mistakes.
 
     Args:
         message: the trajectory.
-        where: start of findings, which names the trajectory.
+        where: text at the start of findings that names the trajectory.
         robot: the robot.
         wanted: names of the joints in the file, in the robot's order.
         findings: collects findings.
@@ -105,23 +106,25 @@ def _course(
         if not isinstance(positions, list):
             positions = []
         if "..." in positions:
-            help_ = "ask ros2 topic echo for all of it: --full-length"
+            help_ = "print the whole message: ros2 topic echo --full-length"
             findings.add(
                 "Y1509", f"{place}: the list of positions was cut off when it was printed", None, help_
             )
             return None
         if len(positions) != robot.size:
             message_ = (
-                f"{place} has {len(positions)} position{'s' * (len(positions) != 1)}, there are "
+                f"{place} has {len(positions)} position{'s' * (len(positions) != 1)}, but there are "
                 f"{robot.size} joints"
             )
-            findings.add("Y1509", message_, None, "every point has a position for each joint")
+            findings.add("Y1509", message_, None, "give every point one position for each joint")
             return None
         for joint, at in enumerate(order):
             value = _number(positions[at])
             if value is None:
                 shown = str(positions[at])[:40]
-                message_ = f"{place}: the position of {wanted[joint]} is {shown!r}, no finite number"
+                message_ = (
+                    f"{place}: the position of {wanted[joint]} is {shown!r}, which isn't a finite number"
+                )
                 findings.add("Y1505", message_, None, "positions are in rad, m for prismatic joints")
                 return None
             q[number, joint] = value
@@ -146,7 +149,7 @@ def _course(
             f"{where}point {number + 1}, at {times[number]:g} s, isn't later than the one before, at "
             f"{times[number - 1]:g} s"
         )
-        findings.add("Y1509", message_, None, "the times of a trajectory rise from point to point")
+        findings.add("Y1509", message_, None, "make the times increase from point to point")
         return None
     velocities, accelerations = (
         in_axis_units(robot, np.array(rows)) if len(rows) == len(points) else None for rows in rates.values()
@@ -175,13 +178,13 @@ def _rates(
     Args:
         point: the point.
         name: "velocity" or "acceleration".
-        place: start of findings, which names the point.
-        order: index of each of the robot's joints in the file.
+        place: text at the start of findings that names the point.
+        order: for each joint of the robot, its index in the trajectory.
         wanted: names of the joints in the file, in the robot's order.
         findings: collects findings.
 
     Returns:
-        The values; None with a finding.
+        The values; None, with a finding, if they have mistakes.
     """
     plural = _PLURALS[name]
     given = point.get(plural)
@@ -189,14 +192,17 @@ def _rates(
         return []
     if len(given) != len(order):
         count = f"{len(given)} {name if len(given) == 1 else plural}"
-        message = f"{place} has {count}, there are {len(order)} joints"
-        findings.add("Y1509", message, None, f"a point has the {plural} of all joints, or none")
+        message = f"{place} has {count}, but there are {len(order)} joints"
+        findings.add("Y1509", message, None, f"give a point the {plural} of all joints, or of none")
         return None
     row: list[float] = []
     for joint, at in enumerate(order):
         value = _number(given[at])
         if value is None:
-            message = f"{place}: the {name} of {wanted[joint]} is {str(given[at])[:40]!r}, no finite number"
+            message = (
+                f"{place}: the {name} of {wanted[joint]} is {str(given[at])[:40]!r}, which isn't a "
+                "finite number"
+            )
             findings.add("Y1505", message, None, "it is in rad per s, m per s for prismatic joints")
             return None
         row.append(value)
@@ -223,8 +229,8 @@ def _left_out(rates: Mapping[str, list[list[float]]], count: int) -> Iterator[st
 def _order(
     names: Any, where: str, robot: Robot, wanted: tuple[str, ...], findings: Collector
 ) -> list[int] | None:
-    """Return the index of each of the robot's joints in the trajectory's list of joint names; None with a
-    finding.
+    """Return, for each joint of the robot, its index in the trajectory's list of joint names; None, with a
+    finding, if the list doesn't fit the robot.
     """
     listed = [str(name) for name in names] if isinstance(names, list) else []
     low = [name.lower() for name in listed]
@@ -239,9 +245,8 @@ def _order(
         ]
         message = f"{where}the joints aren't those of {robot.name}: {'; '.join(parts)}"
         help_ = (
-            f"{robot.name} has {', '.join(robot.joint_names)}; if the file calls them otherwise, say "
-            f"--joints with its "
-            "names in this order"
+            f"{robot.name} has {', '.join(robot.joint_names)}; if the file names them differently, give "
+            "its names in this order by --joints"
         )
         findings.add("Y1511", message, None, help_)
         return None
@@ -261,7 +266,7 @@ def _time(value: Any) -> float | None:
     """Return a time in seconds.
 
     Args:
-        value: a duration as ROS 1 or ROS 2 writes it, or a number of seconds; None: the duration is missing.
+        value: a duration as ROS 1 or ROS 2 writes it, or a number of seconds; None for a missing duration.
 
     Returns:
         The time [s]; 0 if the duration is missing, None if it is malformed.

@@ -32,14 +32,14 @@ from yarclang.semantics.motions.trajectory_file import SUFFIX
 def program_text(
     name: str, content: Content, robot: Robot, wishes: Wishes, findings: Collector
 ) -> Converted | None:
-    """Return the program and the files beside it; None with an error.
+    """Return the program and the files that it refers to; None, with an error, if it can't be written.
 
     Args:
         name: name of the converted file, for the first comment.
         content: the motions and joint positions in the file.
         robot: the robot.
         wishes: the options.
-        findings: collects findings, including a warning if way-points are too dense.
+        findings: collects findings, including a warning if waypoints are too dense.
     """
     lines = [f"{plain(name)}: {content.kind}."]
     body: list[str] = []
@@ -50,10 +50,8 @@ def program_text(
         form = _form(whole, wishes)
         if form == "timed" and (whole.target != "JOINTS" or whole.times is None):
             what = "has no times" if whole.times is None else "has poses"
-            message = f"the file {what}; --as timed wants joint values with times"
-            findings.add(
-                "Y1514", message, None, "leave --as out, or give a file with a column or entries of time"
-            )
+            message = f"the file {what}, but --as timed needs joint values with times"
+            findings.add("Y1514", message, None, "omit --as, or give a file with times")
             return None
         course = thinned(whole, wishes.every, wishes.tolerance, robot, form)
         if form != "timed":
@@ -109,9 +107,10 @@ def _form(course: Course, wishes: Wishes) -> Form:
 
 
 def _moves(course: Course, index: int, wishes: Wishes) -> tuple[list[str], int, Array]:
-    """Return the program lines of moves that stop at each target, the next index, and the last target.
+    """Return three values: the program lines of moves that stop at each target; the next index; and the last
+    target.
 
-    Named targets are declared first.
+    The lines begin with declarations of the named targets.
     """
     rows: list[str] = []
     cells = rows_of(course.values, course.target)
@@ -155,17 +154,17 @@ def _declarations(declared: dict[str, str], course: Course) -> list[str]:
 def _spline(
     course: Course, index: int, here: Array | None, is_first: bool, wishes: Wishes
 ) -> tuple[list[str], int, Array]:
-    """Return the program lines of a motion through all targets without a stop, the next index, and the last
-    target.
+    """Return three values: the program lines of a motion through all targets without a stop; the next index;
+    and the last target.
 
-    The motion takes the time from the first to the last target. If it is the program's first motion and has
-    joint values, the program begins at its first target (START). Otherwise a move to its first target is
-    written before it, unless the robot is already there.
+    The motion time is the time between the first and the last target. If the motion is the program's first
+    one and has joint values, its first target becomes the start of the program (START). Otherwise a move to
+    its first target is written before the motion, unless the robot is already there.
 
     Args:
         course: the motion.
         index: number of the first command's index.
-        here: (k,) last target of the motion before; None for the first motion.
+        here: (k,) last target of the previous motion; None for the first motion.
         is_first: True for the first motion.
         wishes: the options.
     """
@@ -237,8 +236,8 @@ def _about_times(course: Course, robot: Robot, wishes: Wishes) -> Iterator[str]:
 
 
 def _lspb_time(way: Array) -> Array:
-    """Return the shares of the motion's time (w,) at which the LSPB motion profile has covered the shares
-    `way` (w,) of the path.
+    """Return the times (w,) at which the LSPB motion profile has covered the fractions `way` (w,) of the
+    path, relative to the time of the whole motion.
 
     The profile accelerates for a third of the time, moves at 1.5 times the mean speed for a third, and then
     decelerates.
@@ -252,7 +251,7 @@ def _lspb_time(way: Array) -> Array:
 
 
 def _check_density(course: Course, robot: Robot, wishes: Wishes, findings: Collector) -> None:
-    """Warn if way-points follow each other faster than the controller's shortest segments."""
+    """Warn if the average time between waypoints is shorter than the controller's shortest segment."""
     if course.times is None or wishes.time is not None or course.size < 3:
         return
     gap = float(course.times[-1] - course.times[0]) / (course.size - 1)
@@ -260,13 +259,11 @@ def _check_density(course: Course, robot: Robot, wishes: Wishes, findings: Colle
     if gap >= shortest:
         return
     message = (
-        f"the way-points are {gap * 1e3:.3g} ms apart on the average; the controller's shortest segment is "
-        f"{shortest * 1e3:.3g} ms"
+        f"the waypoints are {gap * 1e3:.3g} ms apart on average, less than the controller's shortest "
+        f"segment of {shortest * 1e3:.3g} ms"
     )
     enough = math.ceil(shortest / gap)
-    help_ = (
-        f"the curve can't turn that fast: take fewer with --tolerance 0.05 (deg and mm), or --every {enough}"
-    )
+    help_ = f"use fewer waypoints: --tolerance 0.05 (deg and mm), or --every {enough}"
     findings.add("Y1512", message, None, help_)
 
 

@@ -1,5 +1,5 @@
-"""The cell around a robot, and its inputs and outputs by name, as its coordinator knows them from programs
-and from the session. No I/O.
+"""The cell, the inputs and the outputs of a robot, as its coordinator knows them: from the last program, and
+from the declarations of the session. No I/O.
 """
 
 from __future__ import annotations
@@ -18,8 +18,10 @@ from yarclang.simulated_cell.script import Known, known_in
 
 @dataclass(frozen=True, slots=True)
 class Seen:
-    """The path of the cell's file (None: there is no cell), and the controller variables of inputs and
-    outputs by the signals' names.
+    """The path of the cell's file (`cell`; None if there is no cell), and the controller variables of inputs
+    and outputs.
+
+    `inputs` and `outputs` map the name of each signal to its variable.
     """
 
     cell: str | None
@@ -28,12 +30,13 @@ class Seen:
 
 
 class Around:
-    """The cell, the inputs and the outputs of the last program, together with those that the session
-    declares.
+    """Stores the cell, the inputs and the outputs of the last program and of the session.
+
+    If both declare the same name, the program's declaration counts.
 
     Args:
         names: names that the session declares.
-        lines: lines of the session. Their revision changes when a name may have changed.
+        lines: lines of the session. Their revision grows with each change of the declarations.
     """
 
     def __init__(self, names: Names, lines: Lines) -> None:
@@ -48,7 +51,7 @@ class Around:
 
     @property
     def is_current(self) -> bool:
-        """Return True if no line of the session has changed since the last `look`."""
+        """Return True if the session's lines haven't changed since the last call of `look`."""
         return self._revision == self._lines.revision
 
     def know(self, program: Program | None, cell: Cell | None) -> None:
@@ -64,15 +67,17 @@ class Around:
 
     @property
     def cells(self) -> tuple[Cell | None, Cell | None]:
-        """Return two cells: the cell of the last program and the cell of the session, without changes of
-        their parts since the files were read. Each is None if there is no cell; the session's is also None
-        before the first `look`.
+        """Return the cell of the last program and the cell of the session, each None if there is none.
+
+        The parts are in the places that the cells' files give, which may differ from their present places.
+        The session's cell is None before the first call of `look`.
         """
         return self._program_cell, self._session_cell
 
     def look(self) -> Seen:
-        """Return the cell, the inputs and the outputs of the last program and of the session. If the
-        session's lines have changed, they are read again.
+        """Return the cell, the inputs and the outputs of the last program and of the session.
+
+        The session's lines are read again if they have changed since the last call.
         """
         if not self.is_current:
             revision = self._lines.revision
@@ -86,7 +91,7 @@ class Around:
                 elif isinstance(meaning, Output):
                     outputs |= {bit.name: bit.variable for bit in meaning.signal.bits}
             program = self._names.cell().value
-            # If the cell can't be read any more, motions still respect the one that was read before.
+            # If the cell's file can't be read now, motions still respect the cell that was read before.
             if program is not None:
                 self._session_cell = program.cell
             cell = _file(self._session_cell)

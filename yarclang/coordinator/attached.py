@@ -46,8 +46,9 @@ class Attached(Protocol):
 
     @property
     def silence(self) -> float:
-        """Return the time since the last message of the coordinator [s]. A coordinator that is connected to a
-        robot reports positions all the time.
+        """Return the time since the coordinator's last message [s]. While a robot is connected, the
+        coordinator reports its position many times a second, so a long silence means that the coordinator
+        doesn't respond.
         """
         ...
 
@@ -60,7 +61,7 @@ class Attached(Protocol):
         ...
 
     def send(self, order: Order[Any], refused: Refused | None = None) -> None:
-        """Send an order at once, without waiting for the reply.
+        """Send an order and return without waiting for the reply.
 
         Args:
             order: the order.
@@ -78,7 +79,7 @@ class Attached(Protocol):
 
 
 class Here:
-    """A client in the coordinator's own process.
+    """Client in the coordinator's own process.
 
     Args:
         coordinator: the robot's coordinator.
@@ -97,7 +98,7 @@ class Here:
 
     @property
     def silence(self) -> float:
-        """Return 0, because the coordinator is in this process."""
+        """Return 0: a coordinator in this process is always reachable."""
         return 0.0
 
     async def ask(self, order: Order[R]) -> R:
@@ -105,7 +106,7 @@ class Here:
         return await self.desk.answer(order)
 
     def send(self, order: Order[Any], refused: Refused | None = None) -> None:
-        """Send an order at once. See `Attached.send`."""
+        """Send an order and return without waiting for the reply. See `Attached.send`."""
         try:
             reply = self.desk.answer_now(order)
         except Trouble as trouble:
@@ -121,7 +122,7 @@ class Here:
         return self._coordinator.subscribe(capacity, positions=positions)
 
     def give_up(self) -> None:
-        """End without waiting for a robot that can't be reached. The state of the robot is unknown then."""
+        """End at once even if the robot can't be reached. The robot's state is then unknown."""
         self._coordinator.give_up()
 
     async def leave(self) -> None:
@@ -178,7 +179,7 @@ class There:
         except TimeoutError:
             await client.leave()
             what = f"{path.stem} doesn't answer within {_PATIENCE:g} s"
-            raise Trouble(what, "look whether its process hangs", "Y1606") from None
+            raise Trouble(what, "check whether its process hangs", "Y1606") from None
         except Trouble:
             await client.leave()
             raise
@@ -200,7 +201,7 @@ class There:
         return answer
 
     def send(self, order: Order[Any], refused: Refused | None = None) -> None:
-        """Send an order at once. See `Attached.send`."""
+        """Send an order and return without waiting for the reply. See `Attached.send`."""
         try:
             future = self._send(order)
         except Trouble as trouble:
@@ -269,5 +270,5 @@ class There:
 
     def _has_ended(self) -> Trouble:
         return Trouble(
-            f"{self.path.stem} has ended", "if it was killed, its robot comes to rest: look at it", "Y1606"
+            f"{self.path.stem} has ended", "if it was killed, its robot comes to rest: inspect it", "Y1606"
         )

@@ -1,5 +1,6 @@
-"""The last motions in reverse: the robot drives the same paths from end to start. The reversed motions are a
-program that is planned and certified like any other program.
+"""Reversal of the last motions: the robot moves along the same paths from end to start.
+
+The reversed motions form a program, which is planned and certified like any other program.
 """
 
 from __future__ import annotations
@@ -37,11 +38,12 @@ from yarclang.transforms import constant
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Passed:
-    """A motion that was carried out completely or in part.
+    """A motion that was carried out completely or in part. Positions are joint positions [rad or m].
 
-    `step` is the motion and `waypoints` (k, n) the joint positions that were chosen for it. `start` and `end`
-    (n,) are the robot's positions before and after the motion, and `middle` (n,) is a position between them,
-    all [rad or m]. `whole` is True if the motion reached its end, `flows` if it flowed into the next motion.
+    `step` is the motion, and `waypoints` (k, n) are the joint positions that the planner chose for its goals.
+    `start` and `end` (n,) are the robot's positions before and after the motion, `middle` (n,) its position
+    at half of the motion's time. `whole` is True if the motion reached its end. `flows` is True if the robot
+    didn't stop between this motion and the next one.
     """
 
     step: Motion
@@ -60,7 +62,7 @@ def passed(plan: MotionPlan, stands: Array | None = None, progress: float = 0.0)
         plan: the plan.
         stands: (n,) joint positions at which the robot was stopped on its path [rad or m]; None if it reached
             the end of the plan.
-        progress: time of the plan at which it was stopped [s].
+        progress: time of the plan at which the robot was stopped [s].
     """
     passed_motions: list[Passed] = []
     begins, ends = plan.begins, plan.ends
@@ -81,7 +83,7 @@ def passed(plan: MotionPlan, stands: Array | None = None, progress: float = 0.0)
 
 
 def last_group(motions: tuple[Passed, ...]) -> tuple[Passed, ...]:
-    """Return the last motions between which the robot didn't stop."""
+    """Return the last motions of a list that the robot carried out without a stop between them."""
     first = len(motions) - 1
     while first > 0 and motions[first - 1].flows:
         first -= 1
@@ -89,15 +91,15 @@ def last_group(motions: tuple[Passed, ...]) -> tuple[Passed, ...]:
 
 
 def known_behind_searches(motions: Sequence[Passed]) -> list[Passed]:
-    """Return the last motions of a list: those that the robot can drive back along their own path.
+    """Return the motions at the end of a list that the robot can drive back along their own paths.
 
-    Two kinds of motions can't be driven back, and nothing before them can be:
+    Two kinds of motions can't be driven back, nor can any motion before them:
 
     - A search and the motion after it. A search may have ended anywhere on its line, but the plan of the next
-      motion begins at the end of the line. On the way there the robot might hit the object that the search
-      has found.
-    - A motion in a frame that is shifted at run time, and the motions after it up to the next motion to an
-      unshifted position. The plan contains shifted motions without their shift.
+      motion begins at the end of the line. On the way to this end, the robot might hit the object that ended
+      the search.
+    - A motion to a goal that is shifted at run time, and the relative motions after it. The shift isn't known
+      in the plan, so the planned path isn't the path that the robot took.
 
     Args:
         motions: motions that were carried out, in order. A search that was stopped on its own line can be
@@ -170,8 +172,8 @@ def _backwards(robot: Robot, passed_motion: Passed) -> Motion | Diagnostic:
             first = _pose(robot, passed_motion.start, waypoints[0].flange_from_moving)
             return replace(step, waypoints=(*waypoints[-2::-1], first))
     kind = "a timetable" if isinstance(step, TimedMove) else "a spline"
-    what = f"the robot was stopped within {step.origin.name}: what is left of {kind} isn't the same curve"
-    return Diagnostic("Y1614", what, help="move back by a command of its own: MOVEJ, MOVEL")
+    what = f"the robot was stopped within {step.origin.name}: the rest of {kind} would be another curve"
+    return Diagnostic("Y1614", what, help="move back with a new command, MOVEJ or MOVEL")
 
 
 def _turned(table: Timetable, start: Array) -> Timetable:

@@ -35,16 +35,20 @@ _LOST = "Y1606"
 """Code of the finding for a lost connection."""
 
 _AT_END = 2.0
-"""Time at the end of a motion [segments]. If the robot rests within this time of the motion's end, the steps
-after the motion may have begun already.
+"""Tolerance in time for finding the motion in which the robot rests [segment times].
+
+If the robot rests within this time after a motion's beginning, the motion may not have begun. If it rests
+within this time before a motion's end, the steps after the motion may have begun already.
 """
 
 
 @dataclass(frozen=True, slots=True)
 class CarriedOut:
-    """The numbers of the steps that were certainly carried out (`surely`), and of the SETs after them that
-    may have been carried out (`perhaps`). Of the latter, the controller may have executed the first few or
-    all.
+    """Numbers of the steps of a program that a run has carried out.
+
+    `surely` has the steps that were certainly carried out. `perhaps` has the SETs after them that may have
+    been carried out. The controller executes them in order, but it isn't known how many it has executed:
+    none, some or all.
     """
 
     surely: tuple[int, ...]
@@ -55,17 +59,14 @@ def taken(steps: Sequence[Step], begin: int, end: int, ways: Sequence[bool]) -> 
     """Return the numbers of the steps that were passed on the executed branches, up to the first WHEN whose
     executed branch isn't known.
 
-    A WHEN is included if it was passed, an ELSE if the branch before it was executed to its end, and the end
-    of a WHEN or of a loop if the robot reached it. Only the last pass of a loop counts.
+    A WHEN is included if it was passed. An ELSE is included if the branch before it was executed to its end.
+    The end of a WHEN or of a loop is included if the robot reached it. Only the last pass of a loop counts.
 
     Args:
         steps: all steps of the program.
         begin: number of the first step of the run.
         end: number after the last step of the run.
         ways: for each WHEN that was passed, in order: True if its first branch was executed.
-
-    Returns:
-        The numbers of the steps.
     """
     left, found = list(ways), list[int]()
     passing, depth = True, 0
@@ -93,8 +94,10 @@ def taken(steps: Sequence[Step], begin: int, end: int, ways: Sequence[bool]) -> 
 
 
 _WAY, _PASSES = (When, EndWhen), (Loop, EndLoop)
-"""Pairs of steps. While steps are skipped, such a pair that is nested in them is skipped as a whole: `_WAY`
-in a branch that isn't executed, `_PASSES` in the rest of a loop that was left.
+"""Pairs of the steps that begin and end a block: `_WAY` for WHEN, `_PASSES` for loops.
+
+`taken` skips steps that weren't executed, up to the end of their block. To find the right end, it counts the
+blocks of the same kind that begin and end among the skipped steps.
 """
 
 
@@ -131,8 +134,8 @@ def carried_out(plan: MotionPlan, begin: int, end: int, program: Job, ended: End
     if began:
         surely = [*before, *(number for number in leg if number < now)]
     else:
-        # The robot rests at the very beginning of a motion, so the steps before it may not have been carried
-        # out yet.
+        # The robot rests at the very beginning of this motion. Perhaps not all steps between the previous
+        # motion and this one were carried out.
         since = motions[place - 1] if place else -1
         surely = [*before, *(number for number in leg if number <= since)]
         return CarriedOut(tuple(surely), _sets(steps, leg, since, now))
@@ -150,11 +153,11 @@ def _sets(steps: Sequence[Step], leg: Sequence[int], after: int, before: int) ->
 
 
 def _latest(plan: MotionPlan, program: Job, ended: Ended) -> int:
-    """Return the number of the step with the first motion that can't have begun yet; the number of all steps
-    if there is none.
+    """Return the number of the first motion step that certainly hasn't begun; `len(plan.program.steps)` if
+    there is none.
 
     The robot may have moved on since its last report. After a lost connection, it may have executed all lines
-    that the controller's buffer holds.
+    that were in the controller's buffer.
     """
     command = program.command_at(ended.done)
     if ended.joints is None or command is None or len(program.commands) != len(plan.motions):
@@ -173,9 +176,12 @@ def _latest(plan: MotionPlan, program: Job, ended: Ended) -> int:
 
 
 def _motion_at(plan: MotionPlan, program: Job, ended: Ended) -> tuple[int, bool, str]:
-    """Find the motion at which the robot rests. Return three values: the number of its step (-1 if unknown),
-    True if the motion has certainly begun, and where the robot rests: `within` the motion, at its `end`, or
-    possibly far `behind` its end.
+    """Find the motion in which the robot rests.
+
+    Returns:
+        The number of the motion's step (-1 if unknown); True if the motion has certainly begun; and the
+        place: `within` the motion, at its `end`, or `behind`. `behind` means that the place isn't known, so
+        the robot may have moved on beyond the motion.
     """
     place = None if ended.joints is None else resting_place(plan, program, ended.joints, ended.done)
     command = program.command_at(ended.done) if place is None else place.command

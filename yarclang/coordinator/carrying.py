@@ -1,5 +1,6 @@
-"""Execution of all motions, and tracking of the cell's parts (workpieces and tools). No motion is executed
-elsewhere, so the places of the parts are known after each motion.
+"""Execution of all motions, and tracking of the cell's parts (workpieces and tools).
+
+All motions are executed here, so the places of the parts are known after each motion.
 """
 
 from __future__ import annotations
@@ -22,8 +23,9 @@ from yarclang.runtime.live import Live
 from yarclang.runtime.outcome import Ended
 
 Planning = Callable[..., Awaitable[Any]]
-"""Function that calls a planning function with the given arguments, in another thread or directly, and
-returns the result of the planning function.
+"""Type of a function that runs a planning function, in another thread or directly.
+
+It takes the planning function and its arguments, and returns its result.
 """
 
 
@@ -34,7 +36,7 @@ class Carrying:
         robot: the robot.
         engine: executes the motions.
         plan: runs planning functions, one at a time.
-        beside: runs a function without waiting for planning in progress.
+        beside: runs a function in parallel with planning in progress.
 
     Attributes:
         kept: the places of the parts.
@@ -65,8 +67,8 @@ class Carrying:
         return way
 
     async def renewed(self, loaded: Loaded, number: int) -> Loaded | Ended:
-        """Return a program for its next pass. If the last pass has moved the cell's parts, the program is
-        proved again with their new places.
+        """Return a program for its next pass. If the previous pass has moved parts of the cell, the program
+        is proved again with their new places.
 
         Args:
             loaded: the program.
@@ -90,7 +92,7 @@ class Carrying:
             what = errors[0].message if errors else trouble.what
             return Ended(
                 False,
-                f"pass {number} isn't begun: {what}",
+                f"pass {number} isn't started: {what}",
                 (errors[0].help or "") if errors else trouble.remedy,
                 stands,
                 code=errors[0].code if errors else trouble.code,
@@ -100,8 +102,8 @@ class Carrying:
     async def perform(
         self, job: Job, program: Job | None = None, performed: Performed | None = None
     ) -> Ended:
-        """Carry a job out, and record where it leaves the cell's parts. Call this only within the work of
-        `Engine.move`.
+        """Carry a job out, and store the places of the cell's parts after it. Call this only from a function
+        that was passed to `Engine.move`.
 
         Args:
             job: job that is streamed.
@@ -116,16 +118,17 @@ class Carrying:
         try:
             ended = await self._engine.perform(job, program)
         except BaseException:
-            self.kept.doubt(cell, f"{performed.program.name} was ended by something unforeseen")
+            self.kept.doubt(cell, f"{performed.program.name} was ended by an unexpected error")
             raise
         outputs = {} if ended.well else await self._outputs(cell)
-        # Comparing the bodies may take a while.
+        # In a thread, because comparing the bodies of parts may take a while.
         await self._beside(self.kept.performed, performed, ended, outputs)
         return ended
 
     async def perform_text(self, job: Job, program: Job, cell: Cell | None) -> Ended:
-        """Carry out a program of which only the controller text is known, and not its steps. If the text sets
-        a gripper's output, the places of the cell's parts are unknown afterwards.
+        """Carry out a program of which only the controller text is known. Its steps are unknown, so parts
+        can't be tracked: if the text sets a gripper's output, the places of the cell's parts are unknown
+        afterwards.
         """
         ended = await self._engine.perform(job, program)
         sets = {
@@ -135,19 +138,23 @@ class Carrying:
         }
         if cell is not None and sets & {*cell.grips, *cell.removals}:
             self.kept.doubt(
-                cell, f"{program.name} has moved them, and it isn't followed what a controller text does"
+                cell,
+                f"{program.name} may have moved them, since the places of parts aren't tracked for "
+                "a controller text",
             )
         self.kept.stands(ended.joints)
         return ended
 
     async def perform_live(self, live: Live) -> Ended:
-        """Carry a live motion out. Call this only within the work of `Engine.move`."""
+        """Carry a live motion out. Call this only from a function that was passed to `Engine.move`."""
         ended = await self._engine.perform_live(live)
         self.kept.stands(ended.joints)
         return ended
 
     async def _outputs(self, cell: Cell) -> dict[str, float]:
-        """Return the values of the outputs that move parts, except those that can't be read now."""
+        """Return the values of the outputs of grippers and of machines that remove parts, as far as they can
+        be read now.
+        """
         session, levels = self._engine.session, dict[str, float]()
         with contextlib.suppress(Trouble, Lost):
             for variable in (*cell.grips, *cell.removals):

@@ -33,7 +33,7 @@ class Coordinator(SharedRobot):
         return await self.engine.start(patient=self._patient)
 
     def give_up(self) -> None:
-        """End without waiting for a robot that can't be reached. The state of the robot is unknown then."""
+        """End at once even if the robot can't be reached. The robot's state is then unknown."""
         self.engine.give_up()
 
     async def close(self) -> None:

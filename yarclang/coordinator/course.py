@@ -1,5 +1,5 @@
-"""The motion of a loaded program along its longest branches, and its proofs, for users who want to see it
-before the start.
+"""The motion of a loaded program along its longest branches, and the values that were proved for it. Users
+can look at it before the start.
 
 The program's file is read; nothing moves.
 """
@@ -25,12 +25,12 @@ from yarclang.motion.plan import MotionPlan, PlannedMotion
 from yarclang.pipeline.sources import read_source
 from yarclang.runtime.job import Job
 
-_TEXT_ALONE = "only the controller's text is known, and not its program"
+_TEXT_ALONE = "only the controller text is known, not its program"
 
 
 @dataclass(slots=True)
 class _Way:
-    """Steps of a program that are executed one after the other, and their known duration [s]."""
+    """Steps of a program that are executed one after the other, and the sum of their known durations [s]."""
 
     steps: list[int] = field(default_factory=list)
     time: float = 0.0
@@ -46,7 +46,7 @@ def course_described(loaded: Loaded, samples: int) -> courses.ProgramCourse:
 
     Args:
         loaded: the program. If it begins at a command, or is run command by command, only the commands that
-            are left to run count.
+            will be run are considered.
         samples: number of joint positions in the reply.
     """
     job, plan = loaded.rest, loaded.plan or loaded.text_plan
@@ -72,8 +72,8 @@ def course_described(loaded: Loaded, samples: int) -> courses.ProgramCourse:
 
 
 def _chosen(plan: MotionPlan, motions: tuple[PlannedMotion, ...]) -> list[tuple[int, PlannedMotion, float]]:
-    """Return the motions on the longest branches. For each: its number in `motions`, the motion, and the time
-    of the program's clock at which it begins [s].
+    """Return the motions on the longest branches, in order. For each: its number in `motions`, the motion,
+    and the program's time at which it begins [s].
     """
     longest = longest_way(plan)
     clocks = plan.schedule.clocks
@@ -81,8 +81,8 @@ def _chosen(plan: MotionPlan, motions: tuple[PlannedMotion, ...]) -> list[tuple[
 
 
 def longest_way(plan: MotionPlan) -> set[int]:
-    """Return the numbers of the steps that are executed if each WHEN takes its longer branch (the first
-    branch if both are equally long), and each loop makes one pass, up to the step at which the loop is left.
+    """Return the numbers of the steps on the longest way through a program: each WHEN takes its longer branch
+    (the first one if both are equally long), and each loop makes one pass, up to an EXIT in this pass.
     """
     durations = {motion.step: motion.curve.duration for motion in plan.motions}
     way, opened, loops = _Way(), list[tuple[_Way, _Way | None]](), list[_Way]()
@@ -121,8 +121,9 @@ def longest_way(plan: MotionPlan) -> set[int]:
 
 
 def _met(before: _Way, first: _Way | None, last: _Way) -> _Way:
-    """Append the longer of a WHEN's two branches to the steps before the WHEN, and return these steps. A
-    branch after which the program continues has precedence over a branch in which the program ends.
+    """Append the longer of a WHEN's two branches to the steps before the WHEN, and return all these steps.
+
+    If only one of the branches ends the program, the other one is appended, even if it is shorter.
     """
     if before.exits:
         return before
@@ -139,8 +140,8 @@ def _met(before: _Way, first: _Way | None, last: _Way) -> _Way:
 
 
 def _course(job: Job, chosen: list[tuple[int, PlannedMotion, float]], samples: int) -> replies.Course:
-    """Return the joint positions at `samples` evenly spaced times of the program's clock. Between two motions
-    the robot stands.
+    """Return the joint positions at `samples` evenly spaced times of the program. Before, between and after
+    the motions the robot stands.
     """
     if job.lasting.most <= 0.0:
         return replies.Course(times=(), joints=())
@@ -179,8 +180,8 @@ def _commands(
 
 
 def _nearest(job: Job, proved: list[dict[str, Any]]) -> courses.NearestProved | None:
-    """Return the smallest proved clearance in the whole program. If two are equal, the one with the names of
-    its two bodies is returned, rather than a bound for all bodies.
+    """Return the smallest proved distance between bodies in the whole program. Of two equal distances, one
+    whose bodies are named is preferred to a bound for all bodies.
     """
     nearest: list[tuple[bool, float, courses.NearestProved]] = []
     for row, command in zip(proved, job.commands, strict=False):
@@ -216,7 +217,9 @@ def _peaks(proved: dict[str, Any]) -> replies.Peaks:
 
 
 def _changed(plan: MotionPlan | None, proved: str) -> bool | None:
-    """Return True if the program's file has changed since it was loaded; None if it can't be read."""
+    """Return True if the program's file no longer contains the proved text; None if the file can't be read or
+    isn't known.
+    """
     if plan is None or not proved:
         return None
     place = plan.program.source.name

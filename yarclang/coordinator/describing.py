@@ -31,7 +31,7 @@ from yarclang.runtime.standing import off_the_start
 from yarclang.units import DEG, MM
 
 _SHOWN = 129
-"""Number of joint positions in the message about a motion."""
+"""Number of joint positions by which a message describes a motion."""
 
 
 def joints_by_name(robot: Robot, joints: Array) -> Joints:
@@ -111,7 +111,7 @@ def offer_described(offer: Offer, robot: Robot) -> replies.OfferDescribed:
 
 
 def _deeds(plan: MotionPlan) -> Iterator[str]:
-    """Yield in words what the SETs of a plan do to parts of the cell, such as taking a part."""
+    """Yield the effects of a plan's SETs on parts of the cell, in words, for example `takes BOX 3`."""
     program = plan.program
     carried = carried_parts(plan.robot, program, program.start, ends_of(plan))
     for step in range(len(program.steps)) if carried is not None else ():
@@ -208,8 +208,8 @@ def way_described(way: Way, robot: Robot, start: Array) -> replies.Way:
     Args:
         way: the motion.
         robot: the robot.
-        start: (n,) start of the program [rad or m]. If no motion is needed or possible, it is the `end` in
-            the message.
+        start: (n,) start of the program [rad or m]. It is the field `end` of the message if no motion is
+            needed or possible.
     """
     job = way.job
     return replies.Way(

@@ -51,7 +51,9 @@ T = TypeVar("T")
 R = TypeVar("R", bound=Reply)
 
 _KEPT = 32
-"""Number of offers that are kept for `go`, and of programs that are kept for `run`: the newest ones."""
+"""Number of offers that are kept for a later order `go`, and of programs that are kept for a later order
+`run`. If there are more, the oldest one is dropped.
+"""
 
 
 class Desk:
@@ -141,8 +143,9 @@ class Desk:
         return answer
 
     def answer_now(self, order: Order[R]) -> Any:
-        """Begin to carry an order out. Return the reply, or an awaitable that gives the reply later. Stops,
-        holds and changes of the override are carried out at once.
+        """Begin to carry an order out, and return its reply, or an awaitable for the reply.
+
+        Stops, holds and changes of the override are already carried out when this returns.
         """
         return self._handlers[type(order)](order)
 
@@ -181,10 +184,10 @@ class Desk:
     def _resume(self, answer: int | None = None) -> replies.Taken:
         coordinator = self._coordinator
         if self._held.rests:
-            raise Trouble("it moves only while its button is held", "hold the button", "")
+            raise Trouble("it moves only while its button is pressed", "hold the button", "")
         operation = coordinator.engine.operation
         if coordinator.state is State.MOVE and not coordinator.paused and Hold() not in operation.orders:
-            raise Trouble("it isn't held: there is nothing to resume", code="")
+            raise Trouble("the robot isn't held: there is nothing to resume", code="")
         return self._ordered(lambda: self.client.motion.resume(answer))
 
     def _own(self, order: orders.Own) -> None:
@@ -272,7 +275,11 @@ class Desk:
         if order.at == "file":
             return parts_described(await parts.as_filed(name))
         if name is None:
-            raise Trouble("all parts can be only where the cell's file has them", "name one", "Y1601")
+            raise Trouble(
+                "all parts together can only be put back to their places in the cell's file",
+                "name one",
+                "Y1601",
+            )
         if order.at == "gone":
             return parts_described(await parts.gone(name))
         return parts_described(
@@ -313,7 +320,7 @@ class Desk:
         self._coordinator.check_owner(self.client.name, "to move the robot")
         offer = self._offers.get(order.offer)
         if offer is None:
-            raise Trouble(f"there is no offer {order.offer}", "ask for it again", "Y1613")
+            raise Trouble(f"there is no offer {order.offer}", "request it again", "Y1613")
         going = self.client.motion.go(offer)
         ended = await (self._held.carry_out(going) if order.held else going)
         return ended_described(ended, self.client.robot, self._coordinator.state)
@@ -322,7 +329,7 @@ class Desk:
         generation = await self._coordinator.look_around()
         tolerance, cell = order.tolerance, self._coordinator.cell
         if order.cell and cell and not is_same_file(Path(order.cell), Path(cell)):
-            message = f"the robot keeps to the cell {cell}, the command line names {order.cell}"
+            message = f"the robot is served with the cell {cell}, the command line gives {order.cell}"
             conflict = Diagnostic(
                 "Y1373", message, help="leave --cell out, or serve the robot with this cell"
             )
@@ -344,7 +351,8 @@ class Desk:
             order.approach,
         )
         made = await self.client.files.load(source, here=order.here, as_now=not order.recover)
-        # Convert findings in the planning thread: thousands of them would delay a live motion in this loop.
+        # Convert the findings in the planning thread. Thousands of them would block this event loop, and
+        # thereby delay a live motion.
         found = await self._coordinator.plan(finding_messages, made.diagnostics)
         program = None if made.value is None else self.keep(made.value, generation)
         return replies.Loaded(program=program, findings=found)
@@ -372,8 +380,8 @@ class Desk:
         if coordinator.surroundings is not None:
             coordinator.surroundings.know(program)
             if loaded.begins_within and loaded.assumed is not None and loaded.around is not None:
-                # A simulated robot begins there with the parts that it would hold at this place of the
-                # program.
+                # The run of this simulated robot begins within the program, so the robot must already hold
+                # the parts that the program assumes there.
                 coordinator.surroundings.place(loaded.assumed, loaded.around)
         undertaking = Undertaking(loaded, coordinator, order.times)
         ended = await self.client.motion.undertake(undertaking, approach=order.approach, stops=stops)
@@ -401,7 +409,7 @@ class Desk:
         cell = loaded.around
         if generation == known and (cell is None or await self._coordinator.plan(holds_still, cell)):
             return
-        what = f"the cell has changed since {loaded.name} was loaded, and it was proved in the cell before"
+        what = f"the cell has changed since {loaded.name} was loaded and proved"
         raise Trouble(what, "load it again", "Y1613")
 
     def _save(self, order: orders.Save) -> replies.Saved:

@@ -1,5 +1,5 @@
-"""The outcome of an action for its client: why it ended, where on its path the robot rests, the position of
-the command in the source file, and the command with which to continue.
+"""Messages about the outcome of an action: the reason for its end, the place on the path at which the robot
+rests, the position of the command in the source file, and the command with which to continue.
 """
 
 from __future__ import annotations
@@ -21,7 +21,8 @@ from yarclang.runtime.outcome import Concerned, Ended, Where
 from yarclang.runtime.state import State
 
 _ABORTED = "Y1635"
-"""Code of an end that the program itself has requested. Such a program isn't continued."""
+"""Code of the finding for a program that has executed an ABORT of its own. Such a program can't be continued.
+"""
 
 
 def ended_described(ended: Ended, robot: Robot, state: State) -> replies.Ended:
@@ -41,11 +42,12 @@ def ended_described(ended: Ended, robot: Robot, state: State) -> replies.Ended:
 
 
 def placed(ended: Ended, loaded: Loaded) -> tuple[Ended, Resting | None]:
-    """Add the source position of the faulty command to an outcome. Return the outcome, and the place on the
-    path at which the robot rests (None if unknown).
+    """Add the position of the faulty command in the source file to an outcome.
 
-    The robot may have moved on since its last report. So the command that was being executed isn't taken from
-    the reported progress: the path is searched for the joint positions at which the robot rests.
+    Returns:
+        The outcome, and the place on the path at which the robot rests (None if unknown). This place is found
+        by searching the path for the robot's joint positions, because the robot may have moved on since it
+        last reported its progress.
     """
     plan, program, concerned = loaded.plan, loaded.program, ended.concerns
     place: Resting | None = None
@@ -92,7 +94,7 @@ def run_described(
 
 
 def _go_on(ended: Ended, loaded: Loaded, resting: Resting | None, *, is_motion: bool) -> str | None:
-    """Return the index of the command with which the program can continue; empty: its first command; None:
+    """Return the index of the command with which the program can continue. Empty: the first command. None:
     unknown.
     """
     plan = loaded.plan
@@ -101,8 +103,8 @@ def _go_on(ended: Ended, loaded: Loaded, resting: Resting | None, *, is_motion: 
     if not is_motion:
         if can_begin_at(plan, ended.command_index):
             return ended.command_index
-        # The robot stands before a step that isn't a motion, so the program continues with the motion before
-        # this step.
+        # The robot stands before a step that isn't a motion, and the program can't begin with this step. So
+        # it continues with the motion before.
         before = motion_before(plan, ended.command_index)
         return chain_place(plan, before) if before else ""
     index = ended.command_index if resting is None else resting.command.index
@@ -110,22 +112,23 @@ def _go_on(ended: Ended, loaded: Loaded, resting: Resting | None, *, is_motion: 
 
 
 def _possible(place: str | None, ended: Ended, loaded: Loaded) -> str | None:
-    """Return `place`, the command with which to continue, if the robot can get to the beginning of this
-    command; otherwise None. While parts are carried, the robot may rest where only the program's own motion
-    leads away.
+    """Return `place`, the command with which to continue, if the robot can move to the beginning of this
+    command; otherwise None.
+
+    A robot that carries parts may rest at a position that it can leave only by the program's own motion.
     """
     plan, joints = loaded.plan, ended.joints
     if place is None or plan is None or joints is None:
         return place
     begins = beginning(plan, place) if place else (0, 0)
     if place and not isinstance(begins, Diagnostic) and not can_begin_at(plan, place):
-        return None  # inside a branch of a WHEN
+        return None  # the command is inside a branch of a WHEN
     return place if isinstance(begins, Diagnostic) or can_go_on(plan, begins[0], joints) else None
 
 
 def where_of(origins: Origins, concerned: Concerned) -> Where:
-    """Return the position of a command in its source file, or a note if it isn't known. If the command is in
-    an imported module, return the position of the call in the program instead.
+    """Return the position of a command in its source file. If the position isn't known, return a note with
+    the reason. For a command in an imported module, return the position of the call in the program.
     """
     origin = origins.of(concerned.index, concerned.name, concerned.source_line)
     if origin is None:

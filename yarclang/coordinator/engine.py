@@ -1,8 +1,8 @@
-"""The only task that talks to the controller: it monitors the controller while nothing is in progress,
-carries out work, and restores a lost connection.
+"""The only task that communicates with the controller. It monitors the controller while nothing is in
+progress, carries out work, and restores a lost connection.
 
-All other code passes work to this task and receives notices of what happens. Only orders to stop go directly
-to the session.
+Other code passes its work to this task. Only orders to stop, hold or resume are given to the session
+directly.
 """
 
 from __future__ import annotations
@@ -39,24 +39,24 @@ _AGAIN_EACH = 0.5
 """Time between two attempts to restore a lost connection [s]."""
 
 _TRIED, _TRIES = 1.0, 20
-"""Longest time for which a caller waits for a connection [s] (`_TRIED`), and number of checks for a
-connection during this time (`_TRIES`).
+"""Longest time for which `retry` waits for a connection [s] (`_TRIED`), and the number of times that it
+checks the connection in this time (`_TRIES`).
 """
 
 _RESCUE = 30.0
-"""Longest time to bring a robot to rest after a bug in yarclang [s]."""
+"""Time limit for bringing the robot to rest after a bug in yarclang [s]."""
 
 _LOST, _BUG = "Y1606", "Y2001"
 """Codes of the findings for a lost connection, and for a bug in yarclang."""
 
-_RETRIED = "it is made again as soon as the controller can be reached: look at its cable and its power"
+_RETRIED = "it is restored as soon as the controller can be reached: check its cable and power"
 """Remedy for a lost connection."""
 
 UNDER_WAY = "Y1612"
 """Code of the finding for an action that is refused because another one is in progress."""
 
 NO_LOG = Path()
-"""Path that stands for "write no log"."""
+"""Value of the engine's argument `log` that means: write no log."""
 
 
 class NotReady(Trouble):
@@ -66,7 +66,7 @@ class NotReady(Trouble):
         count = len(inspection.errors)
         first = inspection.errors[0]
         super().__init__(
-            f"{count} of {len(inspection.checked)} things aren't as they must be, the first: "
+            f"{count} of {len(inspection.checked)} checks failed, the first: "
             f"{first.subject} is {first.found!r}, not {first.wanted!r}",
             first.remedy or "`yarc doctor` shows all of them",
         )
@@ -75,8 +75,10 @@ class NotReady(Trouble):
 
 @dataclass(slots=True, eq=False)
 class _Work:
-    """A piece of work for the controller: the function that does it, the future for which the caller waits,
-    and True if the work moves the robot.
+    """A piece of work for the controller.
+
+    `work` is the function that does the work, `done` the future for which the caller waits. `moves` is True
+    if the work moves the robot.
     """
 
     do: Callable[[], Awaitable[Any]]
@@ -100,8 +102,8 @@ class Running(Generic[T]):
         return self._task.done()
 
     async def ended(self) -> T:
-        """Wait for the end of the work, and return its result or raise its exception. If the waiting caller
-        is cancelled, the work continues.
+        """Wait for the end of the work, and return its result or raise its exception. If the wait is
+        cancelled, the work continues.
         """
         return await asyncio.shield(self._task)
 
@@ -113,8 +115,8 @@ class Engine:
         robot: the robot.
         session: connection to the controller.
         log: file or folder in which motions are logged; None: a new file in yarc-runs/; `NO_LOG`: no log.
-        on_bug: called with the description of a bug in yarclang, and the place to which the robot was brought
-            before.
+        on_bug: called after a bug in yarclang, when the robot is at rest. Its arguments are the exception,
+            and the end of a sentence that says where the robot rests (empty if nothing had moved).
 
     Attributes:
         under_way: name of the work in progress; empty: none.
@@ -202,7 +204,7 @@ class Engine:
         return await self.look()
 
     def _judge(self, inspection: Inspection) -> None:
-        """Enter a fault if the inspection has found something wrong."""
+        """Enter a fault if the inspection has found an error."""
         if inspection.errors:
             trouble = NotReady(inspection)
             self.operation.go(Event.FAULT, trouble.what, trouble.code, trouble.remedy)
@@ -221,7 +223,7 @@ class Engine:
             if not self.lost:
                 return
         if self.lost:
-            raise Trouble(f"there is no connection yet: {self.lost}", "it is tried again and again", "Y1606")
+            raise Trouble(f"there is no connection yet: {self.lost}", "the connection is retried", "Y1606")
 
     async def close(self) -> None:
         """End the current action by coming to rest on its path, and close the connection."""
@@ -237,9 +239,7 @@ class Engine:
         self.session.close()
 
     def give_up(self) -> None:
-        """End without waiting for a robot that can't be reached. Further messages of the controller are
-        ignored.
-        """
+        """End at once even if the robot can't be reached. Later messages of the controller are ignored."""
         self._closing = True
         if self._task is not None:
             self._task.cancel()
@@ -256,11 +256,11 @@ class Engine:
         return log
 
     async def ask(self, script: Callable[[], Script[T]]) -> T:
-        """Run a script (a short exchange with the controller) while nothing is in progress. No motion can
-        begin meanwhile.
+        """Run a script (a short exchange with the controller) while nothing is in progress. No motion begins
+        until the script has ended.
 
         Raises:
-            Trouble: the script has raised it, the robot is moving, or there is no connection.
+            Trouble: the script itself fails, the robot is moving, or there is no connection.
         """
         self._refuse_while_under_way()
         return await self._wait_for(lambda: self.session.perform(script()), moves=False)
@@ -272,7 +272,8 @@ class Engine:
             name: name of the work, for messages.
             work: function that calls `perform` and similar functions. It begins when all earlier requests are
                 done.
-            serves: True for work that makes a controller ready for motions; it may be done after a fault.
+            serves: True for work that makes a controller ready for motions. Such work is allowed even after a
+                fault.
 
         Raises:
             Trouble: something else is in progress, or the robot's state forbids it.
@@ -282,7 +283,7 @@ class Engine:
             raise Trouble(f"there is no connection to the controller: {self.lost}", "wait", "Y1606")
         if self.operation.state is State.FAULT and not serves:
             raise Trouble(
-                "after a fault nothing moves before the controller was inspected", "clear it", code="Y1612"
+                "after a fault the controller must be checked before a motion", "clear it", code="Y1612"
             )
         self.operation.orders.clear()  # they were meant for an earlier action
         if not self._closing:
@@ -290,7 +291,7 @@ class Engine:
         return await self._wait_for(work, moves=True)
 
     async def begin(self, work: Coroutine[Any, Any, T], name: str) -> Running[T]:
-        """Start work and return without waiting for its end.
+        """Begin work in a task of its own, and return as soon as the work has begun.
 
         Args:
             work: a coroutine that calls `move`.
@@ -306,7 +307,7 @@ class Engine:
         return Running(task)
 
     async def beside(self, function: Callable[..., T], *arguments: Any) -> T:
-        """Call a slow function in a thread, so that stops aren't delayed."""
+        """Call a slow function in a thread, so that the event loop can react to stops meanwhile."""
 
         def called() -> T:
             with shares_the_interpreter():
@@ -315,18 +316,20 @@ class Engine:
         return await asyncio.to_thread(called)
 
     async def perform(self, job: Job, program: Job | None = None) -> Ended:
-        """Carry a job out. Call this only within the work of `move`. `program` is the whole program to which
-        the job belongs; the log is named after it.
+        """Carry a job out. Call this only from a function that was passed to `move`. `program` is the whole
+        program to which the job belongs; the log is named after it.
         """
         return await self._logged(job, self.scripts.perform(self.operation, job), program)
 
     async def perform_live(self, live: Live) -> Ended:
-        """Carry a live motion out. Call this only within the work of `move`. The log contains the states and
-        positions during the motion and the users' orders, but not the lines that are streamed.
+        """Carry a live motion out. Call this only from a function that was passed to `move`. The log contains
+        the states and positions during the motion and the users' orders, but not the lines that are streamed.
         """
         script = self.scripts.perform_live
         if script is None:
-            raise Trouble("this controller has no live motions", "move it by commands", "Y1616")
+            raise Trouble(
+                "this controller doesn't support live motions", "move the robot by commands", "Y1616"
+            )
         return await self._logged(live.job, script(self.operation, live))
 
     async def _logged(self, job: Job, script: Script[Ended], program: Job | None = None) -> Ended:
@@ -335,8 +338,8 @@ class Engine:
         except OSError as error:
             reason = (error.strerror or str(error)).lower()
             place = error.filename or self._log_place or FOLDER
-            what = f"the log can't be made, {place}: {reason}; nothing moved"
-            return Ended(False, what, "make room, or say --log PATH, or --no-log", code="Y1601")
+            what = f"the log can't be created, {place}: {reason}; nothing moved"
+            return Ended(False, what, "make room on the disk, or use --log PATH or --no-log", code="Y1601")
         self.ended = await self.session.perform(script)
         return self.ended
 
@@ -369,7 +372,7 @@ class Engine:
         return await self._wait_for(self.look, moves=False)
 
     async def look(self) -> Inspection:
-        """Inspect the controller. If everything is in order, end an existing fault."""
+        """Inspect the controller. If everything is in order, clear an existing fault."""
         self.inspection = await self.session.perform(
             self.scripts.look(self.operation, self.robot, self._items)
         )
@@ -383,11 +386,11 @@ class Engine:
 
     async def _wait_for(self, do: Callable[[], Awaitable[T]], *, moves: bool) -> T:
         if self._closing or self._task is None:
-            raise Trouble("the coordinator isn't at work", "start it")
+            raise Trouble("the coordinator isn't running", "start it")
         done: asyncio.Future[T] = asyncio.get_running_loop().create_future()
         self._work.append(_Work(do, done, moves))
         self.session.wake()
-        # If a client leaves, the work that it began continues; ending it needs an order.
+        # If the client that began the work leaves, the work continues until somebody orders its end.
         return await asyncio.shield(done)
 
     async def _serve(self) -> None:
@@ -413,9 +416,7 @@ class Engine:
         try:
             result = await work.do()
         except Lost as lost:
-            self._end(
-                work, Trouble(f"the connection was lost: {lost}", "wait until it is there again", "Y1606")
-            )
+            self._end(work, Trouble(f"the connection was lost: {lost}", "wait until it is restored", "Y1606"))
             raise
         except Trouble as trouble:
             self._end(work, trouble)
@@ -429,7 +430,7 @@ class Engine:
                 work.done.set_result(result)
 
     def _end(self, work: _Work, error: Exception | None) -> None:
-        """Finish work, and give the result to the caller if it still waits."""
+        """Finish work, and give its result or its error to the caller, if the caller still waits."""
         if work.moves:
             self.under_way = ""
             self.operation.orders.clear()
@@ -467,8 +468,8 @@ class Engine:
             return
 
     async def _rescue(self) -> str:
-        """Bring the robot to rest after a bug in yarclang, and end the running program. The state that the
-        session has stored isn't used, since the bug may have spoilt it.
+        """Bring the robot to rest after a bug in yarclang, and end the running program. A new session does
+        this, because the bug may have corrupted the state of the old one.
 
         Returns:
             The end of a sentence that says where the robot rests; empty if nothing had moved.
@@ -485,7 +486,7 @@ class Engine:
             scripts=session.scripts,
         )
         session.close()
-        stand = "couldn't be brought to rest: look at it"
+        stand = "couldn't be brought to rest: inspect it"
         with contextlib.suppress(Exception):
             async with asyncio.timeout(_RESCUE):
                 await rescuer.perform(self.scripts.connect(rescuer.operation))
@@ -495,7 +496,7 @@ class Engine:
                 )
                 operation.searches = False
                 stands = described(self.robot, joints) if joints is not None else ""
-                stand = f"stands at {stands}" if stands else "isn't homed any more"
+                stand = f"is at {stands}" if stands else "isn't homed any more"
         rescuer.close()
         operation.go(Event.FAULT, "a bug of yarclang has ended the motion", _BUG, "report it")
         return f"{self.robot.name} {stand}"

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def health_of(coordinator: Coordinator) -> replies.Health:
-    """Return the last reported state, without a request to the controller."""
+    """Return the last reported state of motors, connection and buffer, without asking the controller."""
     robot, operation = coordinator.robot, coordinator.engine.operation
     sample = coordinator.sample
     errors: list[float | None] = [None] * robot.size
@@ -51,8 +51,8 @@ def health_of(coordinator: Coordinator) -> replies.Health:
 
 
 def _is_guarded(coordinator: Coordinator) -> bool:
-    """Return True if the guard PLC (the controller's own program that holds the robot if this computer falls
-    silent) was tested and works. It is tested only if everything else is in order.
+    """Return True if the guard PLC was tested and works. The guard PLC is the controller's own program that
+    holds the robot if this computer falls silent. It is tested only if everything else is in order.
     """
     inspection = coordinator.inspection
     if inspection is None or inspection.errors or coordinator.engine.lost:

@@ -36,7 +36,7 @@ class Held(Part):
 
     @property
     def rests(self) -> bool:
-        """Return True if a motion was begun, but the client doesn't hold it now."""
+        """Return True if a motion has begun, but rests now because the client doesn't confirm it."""
         return self._carried and self._is_silent
 
     @property
@@ -53,7 +53,7 @@ class Held(Part):
         """
         if self._carried:
             going.close()
-            raise Trouble("something is held already", "wait for its end, or stop it", UNDER_WAY)
+            raise Trouble("another button is pressed already", "wait for its end, or stop it", UNDER_WAY)
         self.keep()
         self._carried = True
         watching = asyncio.create_task(self._watch())
@@ -68,7 +68,7 @@ class Held(Part):
         while True:
             await asyncio.sleep(_LOOKED_EACH)
             if coordinator.owner != self._name:
-                coordinator.stop()  # the robot was given to a client that holds nothing
+                coordinator.stop()  # another client owns the robot now, and can't confirm this motion
                 return
             if not self._is_silent:
                 continue

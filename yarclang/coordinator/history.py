@@ -26,11 +26,11 @@ _COUNT = 1.0
 """Largest difference of two positions that count as equal [counts]."""
 
 _FIRST, _STEP = 10, 10
-"""First index of a saved program, and the step between two indices."""
+"""First index in a saved program, and the step from one index to the next."""
 
 _BRIDGE = "[10%]"
-"""Speed of the motions that are inserted into a saved program where something other than the session's
-commands has moved the robot.
+"""Speed of the motions that are inserted into a saved program. Such a motion is needed where the robot was
+moved by something other than the session's commands.
 """
 
 
@@ -47,10 +47,11 @@ def stands_there(robot: Robot, position: Array, other: Array) -> bool:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Entry:
-    """An action that was carried out: its commands as written, its motions, and the program that contains
-    them. The robot moved from `start` to `end` (n,) [rad or m].
+    """An action that was carried out.
 
-    `whole` is True if the action reached its end.
+    `commands` are its commands as written, `motions` its motions, and `program` the program that contains the
+    motions. The robot moved from `start` to `end` (n,) [rad or m]. `whole` is True if a user entered the
+    action and it reached its end: only then are its commands saved with the session.
     """
 
     commands: tuple[str, ...]
@@ -62,7 +63,7 @@ class Entry:
 
 
 _ROUNDED = 1e-3
-"""Largest rounding error of the numbers in a text [deg or mm]."""
+"""Largest error of an end position due to the rounded numbers in a controller text [deg or mm]."""
 
 
 class History:
@@ -84,15 +85,16 @@ class History:
             return
         plan = offer.compiled.plan
         if ended.well:
-            # Use the planned end, because the text contains rounded numbers.
+            # Use the planned end. The reported end is that of the controller text, whose numbers are rounded.
             end = plan.motions[-1].waypoints[-1] if plan.motions else offer.start
             if (
                 ended.joints is not None
                 and (np.abs(ended.joints - end) > _ROUNDED * self._robot.axis_units).any()
             ):
-                end = ended.joints  # the program has ended in another branch
-            # Text that nobody has typed, such as the motion to a program's start, isn't a command of the
-            # session.
+                # The program has ended in a branch other than that of the plan's last motion.
+                end = ended.joints
+            # A text that the user hasn't typed, such as the motion to a program's start, isn't a command of
+            # the session.
             whole = bool(offer.parts.commands)
             entry = Entry(offer.parts.commands, passed(plan), offer.compiled.program, offer.start, end, whole)
         elif ended.joints is None or not ended.command:
@@ -115,8 +117,8 @@ class History:
         self._entries.clear()
 
     def _take_back(self, offer: Offer, ended: Ended) -> None:
-        """Shorten the last entry after its last motion was driven back. The entry's command no longer
-        counts.
+        """Shorten the last entry after its last motions were driven back. The entry keeps its earlier
+        motions, but its commands are no longer saved with the session.
         """
         if not ended.well and (ended.joints is None or not ended.command):
             return
@@ -132,8 +134,8 @@ class History:
         return self._entries[-1].end if self._entries else None
 
     def last(self) -> tuple[tuple[Passed, ...], Program] | None:
-        """Return the last group of motions between which the robot didn't stop, and the program that contains
-        them; None if there are none.
+        """Return the last motions between which the robot didn't stop, and the program that contains them;
+        None if there are none.
         """
         while self._entries and not self._entries[-1].motions and not self._entries[-1].whole:
             self._entries.pop()
@@ -145,13 +147,14 @@ class History:
     def saved(self, lines: Lines, home: Path, folder: Path | None = None) -> str:
         """Return the session as a program: its declarations, and all completed commands.
 
-        If something else moved the robot between two commands, a slow motion of all joints to the next start
-        is inserted.
+        If something else has moved the robot between two commands, a slow joint motion to the start of the
+        second command is inserted.
 
         Args:
             lines: lines of the session.
-            home: folder of the session, to which names of files are relative.
-            folder: folder of the program, to which names of files are made relative; None: `home`.
+            home: folder of the session, to which file names in the lines are relative.
+            folder: folder for which the program is written: file names become relative to this folder. None:
+                `home`.
         """
         robot = self._robot
         target_folder = (home if folder is None else folder).absolute()
@@ -164,7 +167,10 @@ class History:
         for one in whole:
             if not stands_there(robot, one.start, stands):
                 values = _values(robot, one.start)
-                text.append(f"MOVEJ {values} {_BRIDGE} {_units(robot, ',s')} ! to where the robot was moved")
+                text.append(
+                    f"MOVEJ {values} {_BRIDGE} {_units(robot, ',s')} ! to the position to which "
+                    "the robot was moved"
+                )
             text += (seen_from(command, home.absolute(), target_folder) for command in one.commands)
             stands = one.end
         # Number the commands in the order of the file, because typed lines may have the same index.
@@ -174,9 +180,11 @@ class History:
 
 
 def _robot_name(robot: Robot, folder: Path) -> str:
-    """Return the robot's name in the library, otherwise its path relative to a folder."""
+    """Return the robot's name if it is in yarclang's robot library; otherwise, the path of its robot.toml
+    relative to a folder.
+    """
     known = any(one.folder == robot.folder for one in list_robots())
-    return robot.name if known else f'"{relative(robot.folder / "robot.toml", folder)}"'
+    return robot.name if known else f'"{relative(robot.file, folder)}"'
 
 
 def _values(robot: Robot, q: Array) -> str:

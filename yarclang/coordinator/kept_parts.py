@@ -1,5 +1,6 @@
-"""The places of the cells' parts (workpieces and tools) between two actions of a coordinator. Each program,
-line and jog begins with the parts in the places in which the action before has left them. No I/O.
+"""The places of the cells' parts (workpieces and tools) between the actions of a coordinator. No I/O.
+
+Each program, line and jog begins with the parts in the places in which the previous action has left them.
 """
 
 from __future__ import annotations
@@ -51,11 +52,11 @@ class Known:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Performed:
-    """The steps of a plan that a job carries out: from `begin` to before `end`. `program` is the job of the
-    whole program.
+    """The steps of a plan that a job carries out.
 
-    `assumed` has the places of parts at `begin`, as assumed in the proof. They are used if no places are
-    stored for the cell.
+    `begin` is the number of the first step, `end` the number after the last step. `program` is the job of the
+    whole program. `assumed` has the places of parts before the first step, as assumed in the proof; they are
+    used if no places are stored for the cell.
     """
 
     plan: MotionPlan
@@ -80,8 +81,8 @@ class KeptParts:
 
     @property
     def all(self) -> tuple[Known, ...]:
-        """Return the stored places of all cells. If two of the returned tuples are equal, nothing has
-        changed in between.
+        """Return the stored places of all cells. If two calls return equal tuples, nothing has changed
+        between the calls.
         """
         return tuple(self._known.values())
 
@@ -99,8 +100,8 @@ class KeptParts:
         return self._known.get(file_of(file))
 
     def now(self, cell: Cell, start: Array) -> Cell | None:
-        """Return a cell with its parts at their present places; None if no places are stored, so that the
-        parts are where the cell's file places them.
+        """Return a cell with its parts at their present places. Return None if no places are stored: then the
+        parts are in the places that the cell's file gives.
 
         Args:
             cell: the cell.
@@ -128,8 +129,10 @@ class KeptParts:
         return presently(cell, replace(self._at(known, start), goes_on=True))
 
     def _at(self, places: Known, start: Array) -> Present:
-        """Return the places of the parts for a program that begins at `start`. The parts that the robot may
-        still touch, because it has just put them down, are included only if the robot hasn't moved since.
+        """Return the places of the parts for a program that begins at the joint positions `start`.
+
+        A gripper is allowed to touch a part that it has just taken or put down. If the robot has moved since,
+        this is no longer allowed.
         """
         stands = places.stands
         if places.present.leaving and (stands is None or not self._is_there(start, stands)):
@@ -152,43 +155,41 @@ class KeptParts:
         if not are_same(places.present.parts, assumed):
             moved = _moved(places.present.parts, assumed)
             raise Trouble(
-                f"{moved} isn't where it was when this was proved",
-                "load it again, or correct where the parts are (.parts)",
+                f"{moved} isn't at the place for which this was proved",
+                "load it again, or correct the places of the parts (.parts)",
                 ELSEWHERE,
             )
 
     # changing
 
     def say(self, places: Known) -> None:
-        """Set the places of parts to those that a user declares."""
+        """Store the places of parts that a user has declared."""
         present = beside(self._robot, places.cell, places.present, places.stands)
         if present == Present(first_parts(places.cell)):
-            self._known.pop(file_of_cell(places.cell), None)  # nothing was declared or done
+            self._known.pop(file_of_cell(places.cell), None)  # the parts are where the file places them
         else:
             self._known[file_of_cell(places.cell)] = replace(places, present=present, doubt="")
 
     def doubt(self, cell: Cell | None, reason: str) -> None:
-        """Record that the places of a cell's parts are no longer known."""
+        """Record that the places of a cell's parts are unknown from now on, and the reason."""
         if cell is not None and cell.parts:
             known = self.known(cell) or Known(cell, Present(first_parts(cell)))
             self._known[file_of_cell(cell)] = replace(known, doubt=reason)
 
     def doubt_all(self, reason: str) -> None:
-        """Record that it is no longer known where the parts are, for each cell whose parts' places are
-        stored.
-        """
+        """Record for all cells with stored places that the places of their parts are unknown from now on."""
         for file, known in tuple(self._known.items()):
             self._known[file] = replace(known, doubt=reason)
 
     def stands(self, q: Array | None) -> None:
-        """Record the position of the robot (n,) [rad or m] after a motion that moves no parts."""
+        """Record the robot's position (n,) [rad or m] after a motion that moves no parts; None: unknown."""
         for file, known in tuple(self._known.items()):
             if known.present.leaving:
                 present = beside(self._robot, known.cell, known.present, q)
                 self._known[file] = replace(known, present=present, stands=q)
 
     def set(self, cell: Cell | None, variable: str, value: float, q: Array) -> None:
-        """Record how an output that was set has changed the places of a cell's parts.
+        """Record that an output was set, and how this has changed the places of a cell's parts.
 
         Args:
             cell: the cell; None: there is none.
@@ -211,7 +212,7 @@ class KeptParts:
                 read.
         """
         plan, given = performed.plan, performed.plan.program.cell
-        assert given is not None, "nothing is followed in a program without a cell"
+        assert given is not None, "parts aren't tracked in a program without a cell"
         cell = replace(given, present=None)
         places = self.known(cell)
         if places is None:
@@ -229,8 +230,8 @@ class KeptParts:
         if safe and q is None and any(one in (*cell.grips, *cell.removals) for one in safe):
             learned = replace(
                 learned,
-                doubt=f"{performed.program.name} was ended, and its outputs were made safe at a place that "
-                f"isn't known",
+                doubt=f"{performed.program.name} was ended, and its outputs were set to safe values at "
+                "an unknown position",
             )
         elif safe and q is not None:
             learned = self._after_outputs(learned, safe, q)
@@ -247,8 +248,8 @@ class KeptParts:
     ) -> Present:
         """Return the places of the parts after the steps that were carried out.
 
-        It isn't known how many of the steps `carried_out.perhaps` were carried out. Each number that agrees
-        with the outputs is followed, and all places that a part may have are returned.
+        The steps `carried_out.perhaps` were carried out up to an unknown step. The places are computed for
+        each possibility that agrees with the outputs, and the result contains all of these places.
 
         Args:
             handling: grippers and parts of the cell, and the steps that use them.
@@ -269,7 +270,8 @@ class KeptParts:
         ]
         possible: list[Present] = []
         for count in range(len(perhaps) + 1):
-            # The motions between these SETs were also carried out.
+            # If the first `count` SETs in `perhaps` were carried out, so were all motions before the last of
+            # these SETs.
             more = range(max(surely, default=-1) + 1, perhaps[count - 1] + 1 if count else 0)
             chosen = surely | {at for at in more if isinstance(steps[at], Motion) or at in perhaps}
             if perhaps and not _agrees(steps, chosen, outputs):
@@ -277,7 +279,7 @@ class KeptParts:
             left_out = {at for at, one in enumerate(steps) if at not in chosen or isinstance(one, Turn)}
             walked = followed(handling, start, ends, left_out)
             possible.append(present_after(handling, walked, q))
-        if not possible:  # somebody else has set an output: assume the program's values
+        if not possible:  # no possibility agrees: something else has set an output, so ignore the outputs
             return self._followed(handling, performed, carried_out, start, q, {})
         leaving = tuple(dict.fromkeys(one for each in possible for one in each.leaving))
         return Present(reduce(either, (one.parts for one in possible)), leaving)
@@ -323,7 +325,7 @@ def _start(plan: MotionPlan, begin: int) -> Array:
     """Return the position of the robot (n,) [rad or m] before the step `begin` of a plan."""
     if begin == 0 or not plan.motions:
         return plan.program.start
-    # The robot moves only in motions, so it is at the start of the next one.
+    # The robot moves only in motions. So before the step, it stands at the start of the next motion.
     following = next((motion for motion in plan.motions if motion.step >= begin), None)
     position: Array = plan.motions[-1].waypoints[-1] if following is None else following.curve.points[0]
     return position
@@ -334,7 +336,7 @@ def _output(step: Step) -> str | None:
 
 
 def _agrees(steps: Sequence[Step], chosen: Collection[int], outputs: Mapping[str, float]) -> bool:
-    """Return True if the known outputs have the values that the chosen steps set."""
+    """Return True if all known outputs have the values to which the chosen steps have set them."""
     values = {
         step.output.variable: step.value
         for at, step in enumerate(steps)
@@ -351,7 +353,7 @@ def check_sure(places: Known) -> None:
     """
     if places.doubt:
         raise Trouble(
-            f"nobody knows where the parts of the cell are: {places.doubt}",
-            "say where they are: .parts",
+            f"the places of the cell's parts are unknown: {places.doubt}",
+            "enter their places with .parts",
             ELSEWHERE,
         )

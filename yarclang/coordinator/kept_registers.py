@@ -31,8 +31,8 @@ def registers_file() -> Path:
 
 
 def program_of(name: str) -> str:
-    """Return the name under which the registers of a program are stored: the path of the program. A program
-    and the controller text compiled from it have the same name.
+    """Return the name under which the registers of a program are stored: its path. A program and the
+    controller text compiled from it share this name.
     """
     return str(Path(name).resolve().with_suffix(""))
 
@@ -52,7 +52,8 @@ class KeptRegisters:
     """The registers of one program on one controller.
 
     Attributes:
-        controller: robot and address; a simulated controller has values of its own.
+        controller: name of the robot and address of the controller. A simulated controller stores values of
+            its own.
         program: name of the program, from `program_of`.
     """
 
@@ -77,8 +78,8 @@ class KeptRegisters:
             if not one.low <= stored.get(one.name, one.low) <= one.high
         }
         sentences = [
-            f"{name} was kept as {stored[name]}, and is {one.low} to {one.high} now: it begins with "
-            f"{one.first}"
+            f"{name} was stored as {stored[name]}, but its range is now {one.low} to {one.high}: it "
+            f"begins with {one.first}"
             for name, one in beyond.items()
         ]
         return {name: value for name, value in stored.items() if name not in beyond}, sentences
@@ -101,8 +102,8 @@ class KeptRegisters:
 
 
 def listed(controller: str = "", program: str = "") -> list[Kept]:
-    """Return the stored values of registers, sorted by program and name. An empty argument matches all
-    programs or names.
+    """Return the stored values of registers, sorted by controller, program and name of the register. An empty
+    argument matches all controllers or programs.
 
     Raises:
         Trouble: the database can't be read.
@@ -138,7 +139,7 @@ def deleted(table: str, delete: str, program: str) -> int:
     """Delete a program's rows of a database table. Return the number of deleted rows.
 
     Args:
-        table: SQL statement that creates the table if it doesn't exist.
+        table: SQL statement that creates the table unless the table exists.
         delete: SQL statement that deletes the rows of a program; its parameter is the program's name.
         program: name of the program.
 
@@ -158,18 +159,18 @@ def deleted(table: str, delete: str, program: str) -> int:
 
 def unreadable(place: Path, error: Exception) -> Trouble:
     """Return the exception for a database that can't be used."""
-    what = f"{place}, where registers are kept, can't be used: {error}"
+    what = f"{place}, the file of KEPT registers, can't be used: {error}"
     return Trouble(
         what,
-        "check the file's permissions and the disk, or move the file away: then all KEPT registers "
-        "begin again",
+        "check the file's permissions and the disk; or move the file away, so that all KEPT registers "
+        "begin with their initial values",
         "Y1636",
     )
 
 
 @contextmanager
 def opened(place: Path) -> Iterator[sqlite3.Connection]:
-    """Open the database. Committed values are on the disk."""
+    """Open the database. A value is on the disk as soon as it is committed."""
     with closing(sqlite3.connect(place, timeout=_LONGEST_WAIT)) as base:
         base.execute("PRAGMA synchronous = FULL")
         yield base

@@ -1,8 +1,9 @@
 """The lines that a user enters in a session: declarations remain in force, commands are carried out once. No
 I/O.
 
-A session is one growing program. A line is planned with all declarations that were accepted before it.
-Earlier commands are not planned again: their only effect on the new line is the robot's position.
+A session is like one growing program. A new line is planned with all declarations that were accepted before.
+Earlier commands aren't planned again, since they affect the new line only by the position in which they have
+left the robot.
 """
 
 from __future__ import annotations
@@ -19,18 +20,20 @@ from yarclang.syntax.blocks import arrange
 from yarclang.syntax.words import DECLARATIONS
 
 SESSION = "<session>"
-"""Name of the accepted lines in findings."""
+"""Name that findings use in place of a file name for lines that were accepted earlier."""
 
 TYPED = "<line>"
-"""Name of the entered text in findings."""
+"""Name that findings use in place of a file name for the text that the user has just entered."""
 
 _FILE = re.compile(
     r'^(?P<before>\s*(?:CELL|(?:P[0-9]+\s+)?MOVEJ_TIMED)\s+)"(?P<file>[^"\n]+)"', re.IGNORECASE | re.MULTILINE
 )
-"""Pattern for a line that names a file: of a cell or of a trajectory, also within a SUB."""
+"""Pattern for the beginning of a line that names a file: CELL (the file of a cell) or MOVEJ_TIMED (the file
+of a trajectory).
+"""
 
 _STEP = 10
-"""Step between two indices."""
+"""Step from one index to the next, for commands that the user enters without an index."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,13 +62,13 @@ def parts_of(module: Module) -> Parts:
 
 
 def numbered(module: Module, before: int, first: int) -> Module:
-    """Return a parsed text with an index for every command that has none.
+    """Return a parsed text in which every command has an index.
 
     Args:
         module: the text: the session's lines, followed by the new text.
-        before: number of lines before the new text. Commands of SUBs within these lines are numbered from the
-            beginning.
-        first: index of the first command of the new text.
+        before: number of the session's lines. The commands in these lines are in SUBs, and are numbered
+            separately.
+        first: number in the index of the first command of the new text.
     """
     numbers = {True: first, False: _STEP}
     statements: list[Statement] = []
@@ -86,7 +89,7 @@ def _commands(node: Node) -> int:
 
 def _stays(node: Node) -> bool:
     if isinstance(node, Block):
-        # Later lines may use the names of an IF that contains only declarations.
+        # An IF that contains only declarations remains in force, because later lines may use its names.
         only_declares = node.head.name.name == "IF" and all(
             map(_stays, (*node.body, *(node.otherwise or ())))
         )
@@ -111,8 +114,8 @@ def _last(node: Node) -> Statement:
 
 
 def seen_from(text: str, home: Path, folder: Path) -> str:
-    """Rewrite the relative names of files in lines, so that they lead from another folder to the same files.
-    CELL and MOVEJ_TIMED may name a file.
+    """Rewrite the file names in CELL and MOVEJ_TIMED lines so that they lead from another folder to the same
+    files. Absolute names aren't changed.
 
     Args:
         text: a declaration, a block or a command, as written.
@@ -135,16 +138,16 @@ def relative(path: Path, folder: Path) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Typed:
-    """A new text together with the session's declarations. `source` contains the declarations, which are
-    `before` lines, and then the text.
+    """A new text together with the session's declarations. `source` contains the declarations (the first
+    `before` lines), followed by the text.
     """
 
     source: SourceFile
     before: int
 
     def placed(self, findings: tuple[Diagnostic, ...]) -> tuple[Diagnostic, ...]:
-        """Return findings with line numbers that count from the beginning of the new text. Findings about a
-        line of the session keep their line numbers.
+        """Return findings with line numbers relative to the beginning of the new text. Findings about lines
+        of the session keep their line numbers.
         """
         typed = SourceFile(TYPED, "\n".join(self.source.lines[self.before :]) + "\n")
         return tuple(self._placed(one, typed) for one in findings)
@@ -185,14 +188,14 @@ class Lines:
         return made
 
     def behind(self, text: str) -> Typed:
-        """Return a text, preceded by all declarations."""
+        """Return a text after all declarations of the session."""
         before = "".join(f"{one}\n" for one in self.declarations)
         count = sum(one.count("\n") + 1 for one in self.declarations)
         return Typed(SourceFile(SESSION, before + text + "\n"), count)
 
     @property
     def next_number(self) -> int:
-        """Return the number for the index of the next command that has none."""
+        """Return the number in the index that the next command gets if the user enters none."""
         return _STEP * (self.count + 1)
 
     def declare(self, declarations: tuple[str, ...]) -> None:
@@ -207,5 +210,5 @@ class Lines:
         self.revision += 1
 
     def doubt(self) -> None:
-        """Record that something that the declarations name, such as the cell, has changed."""
+        """Record that something to which the declarations refer, such as the cell, has changed."""
         self.revision += 1

@@ -31,7 +31,7 @@ class Source:
     Attributes:
         file: path of the program; `-` for the standard input.
         text: text that is used instead of the file's; None: the file's text.
-        first: index of the command to begin with; None: the first.
+        first: index of the command with which the run begins; None: the first command.
         by_steps: True if the commands are run one by one.
         options: robot, start, tolerance, segment time, cell.
         program: for a compiled program, the path of the source against which it is verified; None: the source
@@ -95,14 +95,14 @@ def load(source: Source, robot: Robot | None = None, stands: Array | None = None
 
 def _changed(robot: Robot, loaded: Loaded | None) -> Diagnostic | None:
     """Return a finding if the files of the robot's description have changed since the coordinator read them;
-    otherwise None. A proof for the new description isn't valid for the robot that the coordinator runs.
+    otherwise None. A proof with the new description isn't valid for a coordinator that uses the old one.
     """
     if loaded is not None and loaded.program.robot.fingerprint == robot.fingerprint:
         return None
     present = load_robot(str(robot.folder)).value if loaded is None else None
     if present is not None and present.fingerprint == robot.fingerprint:
         return None
-    message = f"robot.toml or the URDF of {robot.name} has changed since the robot is served"
+    message = f"robot.toml or the URDF of {robot.name} has changed since the robot was served"
     return Diagnostic("Y1392", message, help="restart the process that serves it, or undo the change")
 
 
@@ -110,7 +110,7 @@ def _again(
     source: Source, plan: MotionPlan, robot: Robot | None, stands: Array | None
 ) -> Callable[[CellNow], Result[Loaded]]:
     """Return a function that compiles the program again for other places of the cell's parts. It uses the
-    program's text as it was read, even if the file has changed meanwhile.
+    text of the program that was read before, even if the file has changed.
     """
     whole = replace(source, text=plan.program.source.text, first=None, by_steps=False)
 
@@ -136,8 +136,8 @@ def _judged(source: Source) -> Result[Loaded]:
     if job.value is None:
         return Result(None, job.diagnostics)
     if source.approach and judged.cell is None and judged.program is None:
-        message = f"the approach is planned without a cell: {judged.missing}"
-        help_ = "look that the straight way is free; or --cell FILE.toml says what is around"
+        message = f"the approach is planned without a cell, {judged.missing}"
+        help_ = "check that the straight path is free, or give the cell with --cell FILE.toml"
         diagnostics = (*diagnostics, Diagnostic("Y0927", message, judged.text, help=help_))
     origins = Origins(judged.program, judged.missing)
     cell = judged.cell

@@ -1,5 +1,5 @@
 """The queue of events for one subscriber. Its length is limited, so that a subscriber that doesn't read its
-events costs little memory. No I/O.
+events needs little memory. No I/O.
 """
 
 from __future__ import annotations
@@ -9,17 +9,18 @@ from collections import deque
 from yarclang.coordinator.messages.events import COALESCED, BaseEvent, Missed
 
 CAPACITY = 256
-"""Default of the largest number of events that wait for a subscriber."""
+"""Default of the largest number of events that are stored for a subscriber."""
 
 
 class Mailbox:
     """Queue of events, in their order.
 
-    At most one position and one report of progress wait: the newest. If there is no room, the oldest of all
-    other events is dropped. The number of dropped events is reported before any other event.
+    Of some types of events (`COALESCED`, such as positions), only the newest event is stored. If the queue is
+    full, the oldest event of the other types is dropped. The number of dropped events is reported before
+    any other event.
 
     Args:
-        capacity: largest number of waiting events, at least 4.
+        capacity: largest number of stored events, at least 4.
     """
 
     def __init__(self, capacity: int = CAPACITY) -> None:
@@ -51,8 +52,8 @@ class Mailbox:
         return self._events.popleft() if self._events else None
 
     def _make_room(self) -> None:
-        """Drop the oldest event that is neither a position nor a report of progress. A position or a
-        report of progress is only replaced by a newer one, which is never reported as a loss.
+        """Drop the oldest event whose type isn't in `COALESCED`. Events of the types in `COALESCED` take
+        little room, since only the newest of each type is stored.
         """
         oldest = next(one for one in self._events if not isinstance(one, COALESCED))
         self._events.remove(oldest)

@@ -1,5 +1,5 @@
-"""The frames and signals that names stand for after the lines of a session, for orders that name them outside
-of a command. No I/O.
+"""Look-up of the frames and signals that the lines of a session declare. Used by orders that name a frame or
+a signal outside of a command. No I/O.
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class _Alone:
-    """A source text that contains only a name."""
+    """A source text that contains only one name."""
 
     def span(self, place: Place) -> Span:
         return Span(1, place.start, 1, place.end)
 
 
 class Names:
-    """The frames and signals that names stand for after the lines of a session.
+    """Looks up frames and signals by name, as the lines of a session declare them.
 
     Args:
         lines: lines of the session.
@@ -45,15 +45,16 @@ class Names:
         self._planner = planner
 
     def scope(self) -> Scope:
-        """Return what all names stand for after the session's lines."""
+        """Return the names that the session's lines declare, with their meanings."""
         module = parse(self._lines.behind("").source).value
         assert module is not None  # parsing always gives a tree
         return declared_names(module, context_of(self._planner.request(self._planner.robot.home)))
 
     def cell(self) -> Result[Program]:
-        """Return the session's declarations as a program. The program contains the cell that motions respect,
-        with the cell's parts in the places that its file gives. No value, but findings, if the cell can't be
-        used.
+        """Return the session's declarations as a program.
+
+        The program contains the cell that motions respect, with the cell's parts in the places that the
+        cell's file gives. If the cell can't be used, findings are returned instead.
         """
         parsed = parse(self._lines.behind("").source)
         assert parsed.value is not None  # parsing always gives a tree
@@ -107,7 +108,7 @@ def _word(name: str) -> Word:
 
 
 def _looked_up(text: str, look: Callable[[Collector], T | None]) -> Result[T]:
-    """Return what a function finds for a name. The findings refer to the text of the name."""
+    """Return the result of a function for a name. The findings refer to the text of the name."""
     findings = Collector(SourceFile(TYPED, f"{text.strip()}\n"))
     found = look(findings)
     return Result(found, tuple(findings.found))

@@ -1,5 +1,5 @@
-"""Conversion of a text to an offer: motions that are planned from the robot's position and certified, and
-that the owner may then carry out. Pure: nothing moves.
+"""Conversion of a text to an offer: planned and certified motions from the robot's position. The owner may
+then carry the offer out. Pure: nothing moves.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ class Offer:
         compiled: text, program, plan and certificate; None if there are only declarations.
         job: job to be streamed; None if there are only declarations.
         revision: revision of the session's lines with which the offer was planned.
-        takes_back: number of earlier motions that the offer drives back.
+        takes_back: for a motion back: number of earlier motions that it drives back.
         proved_in: cell, with its parts, for which the offer is valid; None: the session's cell, or the cell
             that the offer's own lines name.
     """
@@ -127,9 +127,9 @@ class Planner:
         robot: the robot.
         folder: folder of the session.
         tm: longest segment time [ms]; None: that of the robot.
-        cell: path of a cell.toml for all motions; None: that of yarc.toml, if it names one.
-        present: returns the cell with its parts at their present places; None: the parts are where the cell's
-            file places them.
+        cell: path of a cell.toml for all motions; None: the one that yarc.toml names, if any.
+        present: returns the cell with its parts at their present places; None: the parts are in the places
+            that the cell's file gives.
 
     Attributes:
         generation: number that grows when the cell or yarc.toml is read again. Proofs of an earlier
@@ -166,8 +166,8 @@ class Planner:
         """Read the cells again if one of their files has changed. Return True if they were read again. Waits
         for the disk.
 
-        Once a cell has been named, the robot respects this cell until the coordinator ends. As long as none
-        is named, yarc.toml is read again as well.
+        After a cell has been named, the robot respects it until the coordinator ends. As long as no cell has
+        been named, yarc.toml is read again as well.
         """
         if self._cells.is_current and (self._keeps or self._settings == stamp_of(self._places())):
             return False
@@ -201,7 +201,7 @@ class Planner:
 
     @property
     def cell(self) -> Cell | None:
-        """Return the cell of all motions; None if only a CELL line can name one."""
+        """Return the cell that applies to all motions; None if a cell can be named only by a CELL line."""
         given = self._request.cell
         return None if given is None else given.loaded.value
 
@@ -293,11 +293,11 @@ class Planner:
             if other is None or other.fingerprint != self.robot.fingerprint:
                 message = f"the session moves {self.robot.name}, not {declared[0]}"
                 findings.append(
-                    Diagnostic("Y1392", message, module.source, declared[1], "leave the ROBOT line out")
+                    Diagnostic("Y1392", message, module.source, declared[1], "omit the ROBOT line")
                 )
         for one in module.statements:
             if one.index is None and one.name.name == "START":
-                message = "START is for files: in a session each command starts where the robot stands"
+                message = "START is for files: in a session each command starts at the robot's position"
                 help_ = "move there: MOVEJ with these values"
                 findings.append(Diagnostic("Y1615", message, module.source, one.whole_span, help_))
         return tuple(findings)
@@ -344,7 +344,7 @@ def _motions(compiled: Compiled) -> tuple[OfferedMotion, ...]:
 
 
 def _branch(robot: Robot, program: Program, number: int, begin: Array, chosen: Array) -> str:
-    """Return the rank of the solution that was chosen for a pose, in words: `nearest of 8`."""
+    """Return the rank of the solution that was chosen for a pose, in words, for example `nearest of 8`."""
     step = program.steps[number]
     if not isinstance(step, JointMove | AvoidMove) or not isinstance(goal := step.goal, PoseGoal):
         return ""

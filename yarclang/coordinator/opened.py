@@ -1,5 +1,5 @@
-"""Start of a coordinator for a controller. Only one can run for a controller on this computer; other
-processes can send it orders (`yarc status`, `yarc stop`, clients).
+"""Start of a coordinator for a controller. On this computer, only one coordinator can run for each
+controller. Other processes can send orders to it (`yarc status`, `yarc stop`, clients).
 """
 
 from __future__ import annotations
@@ -21,8 +21,9 @@ from yarclang.runtime.transports.promptness import prompt_thread
 from yarclang.simulated_cell.playing import SimulatedCell
 
 _MOST_FIRST = 2**40
-"""Upper bound of the random number at which a coordinator begins to count programs and offers. So a number
-from an earlier coordinator is unknown to this one.
+"""Upper bound of the random number at which a coordinator begins to number programs and offers. Because the
+beginning is random, a number from an earlier coordinator isn't taken for that of a program or offer of this
+one.
 """
 
 
@@ -36,21 +37,22 @@ class Ground:
         folder: folder that contains modules, cells and yarc.toml.
         name: name that `yarc status` shows while nothing is in progress.
         tm: longest segment time of planned motions [ms]; None: that of the robot.
-        cell: path of a cell.toml for all motions; None: that of yarc.toml, if it names one.
+        cell: path of a cell.toml for all motions; None: the one that yarc.toml names, if any.
         log: file or folder in which motions are logged (`Engine`).
         reply_time: longest time until the controller replies [s].
-        pace: time of the controller's clock per time of this computer [s/s]; 1, except for a simulator.
+        pace: speed of the controller's clock relative to this computer's clock; 1, except for a simulator.
         patience: longest silence of this computer before the controller holds the robot [s]; None: a time
             that depends on how fast the connection is.
-        simulated: True if the controller is yarclang's simulator in this process. It pauses whenever this
-            process can't run.
+        simulated: True if the controller is yarclang's simulator in this process. The simulator pauses
+            whenever this process can't run.
         serves: True if the coordinator serves other processes.
         surroundings: machines around a robot that is simulated in this process; None: the robot isn't
             simulated here.
         leash: clock of a simulator in this process, which waits for this process; None: the controller
             doesn't wait.
         patient: True if the coordinator also runs while the controller isn't ready (`Coordinator`).
-        unattended: True if nobody can resume a hold that no user has ordered (`Operation.unattended`).
+        unattended: True if nobody is there to resume after a hold that no user has ordered
+            (`Operation.unattended`).
     """
 
     host: str

@@ -12,8 +12,8 @@ class OrderedSession(Session):
 
     Attributes:
         log: log of the orders; None if there is none.
-        paused: True between two commands that are carried out one by one. While paused, a hold has no effect
-            and a new override applies to the next command.
+        paused: True while the robot waits between two commands that are carried out one by one. Then a hold
+            has no effect, and a new override applies to the next command.
         failure: failure that was reported during a pause.
     """
 
@@ -36,8 +36,8 @@ class OrderedSession(Session):
         super().order(order)
 
     async def pause(self) -> bool:
-        """Wait until a user orders to continue. Return True if a user orders the end of the program instead,
-        or if something has failed.
+        """Wait until a user orders to continue. Return True if the program must end instead: a user has
+        ordered its end, or something has failed.
 
         Orders to continue that came before the pause are discarded, because they were meant for an earlier
         pause or hold.
@@ -50,6 +50,6 @@ class OrderedSession(Session):
             await self.order_given(Resume)
         finally:
             self.paused = False
-        ends = bool(self.operation.orders)  # only orders that end the run stay
+        ends = bool(self.operation.orders)  # at this point, only orders that end the run are left
         self.operation.orders.clear()
         return ends

@@ -55,8 +55,8 @@ class Ownership:
         raise NotOwner(f"{action} is for the robot's owner: {who}, {name} watches", remedy)
 
     def check_pace(self, name: str, action: str) -> None:
-        """Check that a client may resume and change the override: the owner, and all others if the owner
-        shares the robot.
+        """Check that a client may resume and change the override. The owner may, and if the owner shares the
+        robot, all others may as well.
 
         Raises:
             NotOwner: the client isn't allowed to.

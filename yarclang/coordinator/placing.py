@@ -19,8 +19,8 @@ _CODE = "Y1601"
 
 
 def as_filed(places: Known, name: str | None) -> Known:
-    """Return the places of the cell's parts after one part (or each of several) was declared to be where the
-    cell's file places it.
+    """Return the places of the cell's parts after a user has declared that a part, or several, are in the
+    places that the cell's file gives.
 
     Args:
         places: places of the parts before.
@@ -38,7 +38,7 @@ def as_filed(places: Known, name: str | None) -> Known:
 
 
 def gone(places: Known, name: str) -> Known:
-    """Return the places of the cell's parts after one of them was declared to be no longer in the cell.
+    """Return the places of the cell's parts after a user has declared that a part is no longer in the cell.
 
     Args:
         places: places of the parts before.
@@ -52,14 +52,15 @@ def gone(places: Known, name: str) -> Known:
 
 
 def put(places: Known, robot: Robot, name: str, pose: Array, gripper: str | None) -> Known:
-    """Return the places of the cell's parts after one of them was declared to be at a pose or in a gripper.
+    """Return the places of the cell's parts after a user has declared that a part is at a pose or in a
+    gripper.
 
     Args:
         places: places of the parts before, including the robot's position.
         robot: the robot that may hold the part.
         name: name of the part.
         pose: (4, 4) base_from_part [m], or flange_from_part if a gripper holds the part. For a tool, the pose
-            of the flange at the tool's place.
+            of the flange when the tool is in its place.
         gripper: variable of the gripper's output; None: no gripper holds the part.
 
     Raises:
@@ -73,8 +74,8 @@ def put(places: Known, robot: Robot, name: str, pose: Array, gripper: str | None
         is_held = gripper == part.rack.lock
         if not is_held and (gripper is not None or not is_in_place(part.rack, pose)):
             raise Trouble(
-                f"{name} is a tool: it stands in its place in the rack, or hangs on the flange",
-                f"say .parts put {name} and the frame of its place, or .parts put {name} {{FLANGE}}",
+                f"{name} is a tool: it can be only in its place in the rack, or on the flange",
+                f"use .parts put {name} and the frame of its place, or .parts put {name} {{FLANGE}}",
                 _CODE,
             )
         pose = part.rack.flange_from_body if is_held else part.rack.base_from_body
@@ -83,7 +84,7 @@ def put(places: Known, robot: Robot, name: str, pose: Array, gripper: str | None
     item = Item(part, number, np.array(pose, dtype=np.float64).tobytes(), gripper)
     for one in places.present.parts.held(gripper) if gripper is not None else ():
         if one.name != item.name:
-            raise Trouble(f"the gripper holds {one.name}", f"say first where {one.name} is", _CODE)
+            raise Trouble(f"the gripper holds {one.name}", f"enter the place of {one.name} first", _CODE)
     after = _placed(places, kind, number, [item])
     if gripper is None:
         return after
@@ -105,19 +106,24 @@ def _check_gripper(places: Known, gripper: str) -> None:
     grip = places.cell.grips[gripper]
     if grip.changes:
         raise Trouble(
-            "the lock of a tool changer holds tools, and no parts", "name the frame of a gripper", _CODE
+            "the lock of a tool changer holds only tools, not parts", "give the frame of a gripper", _CODE
         )
     if grip.tool is not None and grip.tool not in places.present.parts.tools:
         raise Trouble(
             f"the gripper belongs to {grip.tool}, which isn't on the flange",
-            f"say first that it is: .parts put {grip.tool} {{FLANGE}}",
+            f"put it there first: .parts put {grip.tool} {{FLANGE}}",
             _CODE,
         )
 
 
 def _placed(places: Known, kind: str, number: int | None, items: list[Item]) -> Known:
-    """Return the places of the cell's parts after the part `number` of a kind (None: all parts of the kind)
-    was replaced by the given items.
+    """Return the places of the cell's parts after the given items have replaced a part.
+
+    Args:
+        places: places of the parts before.
+        kind: kind of the part.
+        number: number of the part among those of its kind; None: all parts of the kind.
+        items: the new items.
     """
     parts = places.present.parts
 
@@ -135,7 +141,7 @@ def _placed(places: Known, kind: str, number: int | None, items: list[Item]) -> 
     if len(after.tools) > 1:
         raise Trouble(
             f"{' and '.join(after.tools)} would both be on the flange",
-            "say first that the other tool stands in its place (.parts put)",
+            "first put the other tool into its place (.parts put)",
             _CODE,
         )
     return _with(places, after, (*places.present.leaving, *_lying(replace(after, items=tuple(items)))))
@@ -146,8 +152,8 @@ def _with(places: Known, parts: Parts, leaving: tuple[Leaving, ...]) -> Known:
 
 
 def _lying(parts: Parts) -> tuple[Leaving, ...]:
-    """Return entries which say that the robot may touch each part that no gripper holds, as if the robot had
-    just put the part down.
+    """Return permissions for the robot to touch each part that no gripper holds, as if the robot had just put
+    the part down.
     """
     names = [one.name for one in parts.items if one.gripper is None]
     return tuple(Leaving((name,), False, (Touch(name, None, -np.inf),)) for name in names)
@@ -166,7 +172,7 @@ def _is_number_of(name: str, kind: str) -> bool:
 
 
 def _number(places: Known, kind: str, name: str) -> int:
-    """Return the number of a part among those of its kind."""
+    """Return the number of a part among the parts of its kind."""
     count = next(one.count for one in places.cell.parts if one.body.name == kind)
     if name != kind:
         number = int(name[len(kind) + 1 :])
@@ -176,5 +182,5 @@ def _number(places: Known, kind: str, name: str) -> int:
     numbers = sorted({one.number for one in places.present.parts.items if one.part.body.name == kind})
     if len(numbers) > 1:
         names = ", ".join(f"{kind} {one}" for one in numbers[:8])
-        raise Trouble(f"there are several parts {kind}", f"name one of {names}", _CODE)
+        raise Trouble(f"{kind} isn't unique: there are several parts", f"name one of {names}", _CODE)
     return numbers[0] if numbers else 1

@@ -1,5 +1,5 @@
-"""Preparation of a program so that it can be run: as a whole, from a given command on, or command by
-command.
+"""Preparation of a program so that it can be run: as a whole, from a given command on, or command
+by command.
 """
 
 from __future__ import annotations
@@ -41,9 +41,11 @@ APPROACH = "approach"
 
 
 Behind = Callable[[int, Array, "tuple[int, ...] | None"], "Replanned | str"]
-"""Function that plans while a program runs: the rest of the program after a search, or the motions of an
-OFFSET. Its arguments are the number of the search or of the first motion, the robot's position (n,) [rad or
-m], and the values of the OFFSET's registers (None after a search).
+"""Type of a function that plans while a program runs: either the rest of the program after a search, or the
+motions of an OFFSET.
+
+Its arguments are the number of the search or of the first motion, the robot's position (n,) [rad or m], and
+the values of the OFFSET's registers (None after a search).
 """
 
 
@@ -53,24 +55,24 @@ class Loaded:
 
     Attributes:
         program: job of the whole program.
-        rest: job that is run first: the whole program, or its rest from a given command on.
+        rest: job that is run first: the whole program, or its part from a given command on.
         steps: jobs of the single commands of `rest`, if they are run one by one.
         plan: plan of the program; None if only the controller text is known.
         begins_within: True if the run begins at a given command.
         origins: finds the positions of the program's commands in the source file.
-        cell: cell for the motion to the start, for a program of which only the controller text is known.
-        spans: ranges of motions in the plan (first, one after the last) for each of `steps`, or for `rest`
-            and then the whole program.
+        cell: cell for the motion to the start; only for a program of which only the controller text is known.
+        spans: ranges of motions in the plan, each as the first motion and one after the last. With `steps`:
+            the range of each step. Otherwise: the range of `rest`, and the range of the whole program.
         assumed: places of the cell's parts at the beginning, as assumed in the proof; None: the cell has no
             parts.
         first_step: step of the plan at which `rest` begins; None if no command was given.
-        text_plan: plan that was reconstructed from a controller text, to derive its effect on the cell's
-            parts.
+        text_plan: plan that was reconstructed from a controller text, to derive the effect of the text on the
+            cell's parts.
         behind: plans the rest of the program after an input has ended a motion, or the motions of an OFFSET;
             None if this is impossible.
-        leave: plans the way out after an input has held a motion: motions back on the path, then the motions
-            out. Arguments: the name of the motions out, the number of the held motion, the time of the plan
-            [s] and the robot's position (n,) [rad or m]. None if this is impossible.
+        leave: plans the retreat after an input has held a motion: back on the path, then the motions out.
+            Arguments: the name of the motions out, the number of the held motion, the time of the plan [s]
+            and the robot's position (n,) [rad or m]. None if this is impossible.
         again: compiles the same program for other places of the cell's parts; None if this is impossible.
     """
 
@@ -96,9 +98,8 @@ class Loaded:
 
     @property
     def around_start(self) -> Cell | None:
-        """Return the cell with which the motion to the start of `rest` (the job that is run first) is
-        planned: the cell's parts are in the places that the proof assumes at that start. None if there is no
-        cell.
+        """Return the cell with which the motion to the start of `rest` is planned. Its parts are in the
+        places that the proof assumes at this start. None if there is no cell.
         """
         if self.around is None or self.assumed is None:
             return self.around
@@ -126,7 +127,8 @@ def load_program(
         name: name of the program, for messages.
         first: index of the command at which the run begins; None: the beginning.
         by_steps: True if its commands are run one by one.
-        compiled: result of compiling the program, if it exists already, with the findings to report.
+        compiled: the compiled program with the findings to report, if it was compiled before; None: compile
+            it.
         present: returns the cell with its parts at their present places, for a program that begins at
             `first`; None: the parts are in the places that the program assumes there.
 
@@ -145,7 +147,8 @@ def load_program(
     if isinstance(begins, Diagnostic):
         return Result(None, (*diagnostics, begins))
     number, step = begins
-    # The findings about parts were already reported for the whole program.
+    # Compile the sections of the program that are run separately. Of their findings, only errors are
+    # returned: the others were already reported when the whole program was compiled.
     shorter = first is not None and step > 0
     whole = (0, len(plan.motions))
     missing_steps = [(number, len(plan.motions))] if shorter else []
@@ -180,8 +183,8 @@ def load_program(
 
 
 def behind_search(plan: MotionPlan, request: Request) -> Behind:
-    """Return a function that plans while the program runs: the rest of the program after an input has ended a
-    motion (a search), or the motions of an OFFSET.
+    """Return a function that plans while the program runs: either the rest of the program after an input has
+    ended a motion (a search), or the motions of an OFFSET.
     """
 
     def planned(number: int, position: Array, values: tuple[int, ...] | None) -> Replanned | str:
@@ -193,8 +196,8 @@ def behind_search(plan: MotionPlan, request: Request) -> Behind:
 
 
 def ways_out(plan: MotionPlan, request: Request) -> Callable[[str, int, float, Array], tuple[Job, ...] | str]:
-    """Return a function that plans the way out after an input has held a motion: motions back on the path,
-    then the motions out.
+    """Return a function that plans the retreat after an input has held a motion: back on the path, then the
+    motions out.
     """
     return lambda name, number, time, here: leaving(plan, name, number, time, here, request)
 
@@ -202,11 +205,13 @@ def ways_out(plan: MotionPlan, request: Request) -> Callable[[str, int, float, A
 def _assumed(
     plan: MotionPlan, number: int, step: int, present: CellNow | None
 ) -> tuple[Parts | None, tuple[int, int, Cell] | None]:
-    """Return the places of the cell's parts before `step`, a step before motion `number`.
+    """Find the places of the cell's parts before the step `step`. `number` is the first motion from this step
+    on.
 
-    If the parts' present places are known, they are returned instead of the places that the program assumes.
-    Then the second value has the motion, the step and the cell from which on the parts are tracked; otherwise
-    it is None.
+    Returns:
+        The present places if they are known, otherwise the places that the program assumes; None if the cell
+        has no parts. The second value is None, unless the present places are returned: then it is the motion,
+        the step, and the cell with these places.
     """
     cell = plan.program.cell
     if cell is None or not cell.parts:
@@ -228,9 +233,9 @@ class Way:
     """The motion from the robot's position to a program's start.
 
     `text` says how far the robot is from the start (empty: the robot is there). `job` is a slow certified
-    motion of all joints; None if none is needed, or if none is possible: then `findings` are the reasons.
-    `zone` is the name of the cell's start zone in which the robot stands, empty if it is in none. In a start
-    zone the motion needs no permission.
+    motion of all joints. It is None if no motion is needed, or if none is possible; in the second case
+    `findings` are the reasons. `zone` is the name of the cell's start zone in which the robot stands (empty:
+    in none); from a start zone, the motion needs no permission.
     """
 
     text: str
@@ -266,8 +271,8 @@ def way_to_start(robot: Robot, loaded: Loaded, joints: Array, around: Cell | Non
 
 
 def _along_the_path(loaded: Loaded, joints: Array, around: Cell | None) -> Compiled | None:
-    """Return a motion to the start along the program's own path, for a run that was stopped while the robot
-    touched a part.
+    """Return a motion to the start of a run that leads along the program's own path. It is for a run that was
+    stopped while the robot touched a part.
 
     Args:
         loaded: the program.
@@ -276,7 +281,7 @@ def _along_the_path(loaded: Loaded, joints: Array, around: Cell | None) -> Compi
             program assumes.
 
     Returns:
-        The motion; None if the robot isn't on such a path.
+        The motion; None if the robot isn't on the program's path.
     """
     if loaded.plan is None or not loaded.begins_within or not loaded.spans:
         return None

@@ -1,5 +1,6 @@
-"""Recovery of a program from any position of the robot: plan and prove a motion to the program's start or, if
-that is impossible, to the nearest position at which the program can begin. The motion is only offered.
+"""Recovery of a program from any position of the robot: a motion to the program's start is planned and proved
+or, if there is none, a motion to the nearest position at which the program can begin. The motion is only
+offered.
 """
 
 from __future__ import annotations
@@ -23,8 +24,8 @@ from yarclang.pipeline.recovering import Place, Recovery, around_place, parts_at
 from yarclang.robot.model import Robot
 
 Now = Callable[[Cell, Array], Cell | None]
-"""Function that returns a cell with its parts at their present places; None if the parts are where the cell's
-file places them.
+"""Type of a function that returns a cell with its parts at their present places. It returns None if the parts
+are in the places that the cell's file gives.
 """
 
 

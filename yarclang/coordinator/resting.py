@@ -1,5 +1,5 @@
-"""Search for the place on a planned path at which a robot rests, to find the command that was being executed.
-The robot may have moved on since it last reported its progress.
+"""Search for the place on a planned path at which a robot rests. This place shows which command was being
+executed. The robot's last report of its progress doesn't, because the robot may have moved on since.
 """
 
 from __future__ import annotations
@@ -14,27 +14,29 @@ from yarclang.robot.model import Array
 from yarclang.runtime.job import Job, JobCommand
 
 _STEP = 4e-3
-"""Step between the times at which the path is compared with the robot's position first [s]."""
+"""Interval of the times at which the path is first compared with the robot's position [s]. Around the best of
+these times, the search continues with smaller intervals.
+"""
 
 _FINER = 64
 _ROUNDS = 2
 
 _ON_PATH = 5e-3
-"""Largest distance between a robot and its planned path at which the robot counts as resting on the path, in
-axis units [deg or mm]. The robot follows a controller text with rounded numbers.
+"""Largest distance between a robot and its planned path at which the robot counts as being on the path [deg
+or mm]. It isn't zero, because the numbers in a controller text are rounded.
 """
 
 _AS_NEAR = 1e-4
 """Largest difference of two distances from the robot that count as equal [deg or mm]."""
 
 _EARLIER = 2.0
-"""Largest time by which a report may be ahead of the robot [segments]."""
+"""Largest time by which the reported progress may be ahead of the robot [segment times]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Resting:
-    """The place on a planned path at which a robot rests: the command, and the progress of the program
-    there [s].
+    """The place on a planned path at which a robot rests: the command, and the progress of the program at
+    this place [s].
     """
 
     command: JobCommand
@@ -42,7 +44,8 @@ class Resting:
 
 
 def resting_place(plan: MotionPlan, program: Job, joints: Array, progress: float) -> Resting | None:
-    """Find the place on a planned path at which a robot rests: at or after the place of its last report.
+    """Find the place on a planned path at which a robot rests. This place isn't before that of the last
+    report.
 
     Args:
         plan: plan of the program.
@@ -52,7 +55,7 @@ def resting_place(plan: MotionPlan, program: Job, joints: Array, progress: float
 
     Returns:
         The command and the progress of the program at this place. None if the robot isn't on the part of the
-        path that it can have reached since.
+        path that it can have reached since the last report.
     """
     command = program.command_at(progress)
     if command is None or len(program.commands) != len(plan.motions):
@@ -78,7 +81,7 @@ def resting_place(plan: MotionPlan, program: Job, joints: Array, progress: float
     best = min(places)[0]
     if best > _ON_PATH:
         return None
-    # The path may pass the same place several times. The first of these times counts.
+    # The path may pass the same place several times. The earliest time counts.
     time = min(one for distance, one in places if distance < best + _AS_NEAR)
     at = min(int(np.searchsorted(plan.begins, time, side="right")), len(plan.motions)) - 1
     there = program.commands[at]
@@ -99,8 +102,8 @@ def motion_before(plan: MotionPlan, place: str) -> str:
 
 
 def _off(plan: MotionPlan, times: Array, joints: Array) -> Array:
-    """Compute the distance between a planned path and a position: the largest difference of a joint [deg or
-    mm].
+    """Compute the distance between a position and the points of a planned path, as the largest difference of
+    a joint [deg or mm].
 
     Args:
         plan: the plan.
@@ -108,7 +111,7 @@ def _off(plan: MotionPlan, times: Array, joints: Array) -> Array:
         joints: (n,) the position [rad or m].
 
     Returns:
-        The distance at each of the times (M,).
+        The distance from the path's point at each of the times (M,).
     """
     distances: Array = (np.abs(plan.sample(times)[0] - joints) / plan.robot.axis_units).max(axis=1)
     return distances

@@ -1,5 +1,5 @@
-"""The shapes of a robot and of the cell around it, for programs that draw them: the replies to `model` and
-`scene`, and detection of changes of the scene.
+"""The shapes of a robot and of the cell around it, for programs that draw them. This module makes the replies
+to `model` and `scene`, and detects changes of the scene.
 """
 
 from __future__ import annotations
@@ -32,14 +32,14 @@ from yarclang.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
 from yarclang.units import MM
 
 MOST_ITEMS = 500
-"""Most bodies, zones and parts in one reply to `scene`. The others are left out, with a note: writing more
-would delay the event loop, and thereby the robot.
+"""Largest number of bodies, zones and parts in one reply to the order `scene`. If there are more, the others
+are left out, and a note says so. A longer reply would block the event loop, and thereby delay the robot.
 """
 _MOST_NOTES = 100
 _MOST_SWITCHED = 10_000
-"""Most changes of outputs that are stored during one action. Further changes are ignored."""
+"""Largest number of output changes that are stored during one action. Further changes are ignored."""
 _DIGITS = 9
-"""Number of decimals of lengths in m."""
+"""Number of decimals of lengths in m in messages."""
 
 
 class Scenes:
@@ -50,7 +50,7 @@ class Scenes:
         engine: engine that knows whether anything is in progress.
         lines: declarations of the session.
         around: provides the cell.
-        kept: places of the cell's parts.
+        kept_parts: places of the cell's parts.
     """
 
     def __init__(
@@ -66,7 +66,7 @@ class Scenes:
         self._told = self._state()
 
     def begin(self) -> None:
-        """Record the start of an action. Until the action sets outputs, the scene shows the cell's parts in
+        """Record the start of an action. Until the action sets an output, the scene shows the cell's parts in
         the places that are known from earlier actions.
         """
         self._switched.clear()
@@ -116,8 +116,8 @@ class Scenes:
         return scene_described(robot, cell, parts, "" if known is None else known.doubt, notes)
 
     def _cell(self) -> tuple[Cell | None, tuple[str, ...]]:
-        """Return the cell that is shown, as its file describes it now, and notes. If the file can't be read
-        any more, return the cell that was read before, with a note.
+        """Return the cell as its file describes it now, and notes. If the file can't be read any more, return
+        the cell that was read before, and a note about this.
         """
         around = self._around
         around.look()
@@ -235,8 +235,8 @@ def _described(obstacle: Obstacle | Zone, base: str, flange: str) -> replies.Sce
                 obstacle.name, "zone", None, Mount(region.base_from_plane, False), (base, flange), obstacle
             )
     if obstacle.keep is not None:
-        return f"the rule {obstacle.name} is about directions, which have no place to be shown"
-    return f"the zone {obstacle.name} is a window of the joints, which has no place to be shown"
+        return f"the rule {obstacle.name} limits directions, which can't be drawn"
+    return f"the zone {obstacle.name} is a window of joint positions, which can't be drawn"
 
 
 def _item(
@@ -266,8 +266,8 @@ def _item(
 
 
 def _shape(shape: Shape | None) -> replies.SceneShape | str:
-    """Return a shape as a message, or the reason why it can't be drawn. The argument None stands for a
-    half space.
+    """Return a shape as a message, or the reason why it can't be drawn. None as the argument means a
+    half-space.
     """
     match shape:
         case None:
@@ -298,8 +298,8 @@ def _check_files(robot: Robot) -> None:
     if read.value is None:
         raise _unread(read.diagnostics[0])
     if read.value.fingerprint != robot.fingerprint:
-        what = f"the robot in {robot.folder} has changed since it is served"
-        raise Trouble(what, "end its process and serve it again", "Y1302")
+        what = f"the robot in {robot.folder} has changed since it was served"
+        raise Trouble(what, "restart the process that serves it", "Y1302")
 
 
 def _unread(finding: Diagnostic) -> Trouble:

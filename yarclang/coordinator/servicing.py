@@ -37,7 +37,9 @@ class Servicing(Part):
     def _services(self) -> Services:
         services = self._coordinator.engine.scripts.services
         if services is None:
-            raise Trouble("this kind of controller is got ready with tools of its own", "use them", "Y1612")
+            raise Trouble(
+                "this kind of controller is set up with the manufacturer's tools", "use them", "Y1612"
+            )
         return services
 
     def _lines(self, text: str) -> tuple[str, ...]:
@@ -93,7 +95,7 @@ class Servicing(Part):
         async def told() -> T:
             began = Began(time_s=coordinator.time, name=name, duration_s=0.0, waits=0, client=self._name)
             coordinator.announce(began)
-            ended = Ended(False, "it was ended by something unforeseen")
+            ended = Ended(False, "it was ended by an unexpected error")
             try:
                 result = await work()
                 ended = Ended(not wrong(result), wrong(result))
@@ -149,7 +151,9 @@ class Servicing(Part):
         engine, stops = coordinator.engine, coordinator.stops
         operation, robot = engine.operation, coordinator.robot
         if unknown := [str(one) for one in motors if one not in robot.controller.motors]:
-            raise Trouble(f"the robot has no motor {', '.join(unknown)}", "name some of its motors", "Y1601")
+            raise Trouble(
+                f"the robot has no motor {', '.join(unknown)}", "name at least one of its motors", "Y1601"
+            )
 
         async def work() -> Ended:
             ended = Ended(True)
@@ -159,7 +163,7 @@ class Servicing(Part):
                     coordinator.tell(f"motor {motor} is homed")
             except Trouble as trouble:
                 ended = Ended(False, trouble.what, trouble.remedy, code=trouble.code)
-            # After homing, the same place of the robot has other position values.
+            # After homing, the same position of the robot has other numbers.
             coordinator.history.forget()
             coordinator.carrying.kept.doubt_all("the motors were homed")
             operation.orders.clear()
@@ -217,7 +221,7 @@ class Servicing(Part):
         operation, robot = engine.operation, coordinator.robot
         text = await coordinator.plan(proved_settings, robot)
         if _digest(text) != compared_sha:
-            raise Trouble("the settings aren't those that were compared", "compare them again", "Y1613")
+            raise Trouble("the settings have changed since they were compared", "compare them again", "Y1613")
         lines = self._lines(text)
 
         async def work() -> tuple[Sent, Inspection]:

@@ -1,5 +1,5 @@
-"""The socket of a coordinator. Other processes of the same user send orders and questions and receive events
-there, with one JSON object per line (`messages/`).
+"""The socket of a coordinator. Other processes of the same user send orders and questions through it, and
+receive events. Each line contains one JSON object (`messages/`).
 
 The socket is in a folder that only its owner may enter, and the kernel reports the user of each caller. No
 caller can delay the robot: stops are carried out as soon as they are read, and a caller that doesn't read its
@@ -40,20 +40,22 @@ from yarclang.runtime.transports.private import folder, own_name, peer_of, priva
 from yarclang.runtime.transports.runs import remove_stale
 
 _LAST = 0.01
-"""Time for which the server still accepts callers after its socket was removed [s]: asyncio loses a
-connection that it accepts while the server closes.
+"""Time for which the server still accepts callers after it has removed its socket [s]. Otherwise a connection
+that was made just before would be lost.
 """
 
 _MOST_UNREAD = 1024
-"""Most replies and events that may wait for a caller that doesn't read them. With one more, the connection is
-closed.
+"""Largest number of replies and events that are stored for a caller that doesn't read them. If there are
+more, the connection is closed.
 """
 
 _LINES = 32
-"""Number of encoded events that are kept for the next client."""
+"""Number of the latest events whose encoded lines are stored. So each event is encoded only once for all
+clients.
+"""
 
 _MOST_WAITING = 16
-"""Most orders of one caller that are carried out at the same time."""
+"""Largest number of orders of one caller that are carried out at the same time."""
 
 _FOR_ANYBODY = (
     orders.AskStatus,
@@ -64,7 +66,9 @@ _FOR_ANYBODY = (
     orders.Abort,
     orders.Override,
 )
-"""Orders that are allowed without `hello`: orders from another terminal."""
+"""Orders that are allowed without a preceding `hello` (the order by which a caller becomes a client), so that
+they can be given from any terminal.
+"""
 
 _NAMELESS = "another terminal"
 
@@ -111,11 +115,11 @@ class ControlSocket:
             task.cancel()
             writer.transport.abort()
         await asyncio.gather(*self._visitors, return_exceptions=True)
-        await asyncio.sleep(0)  # connections are closed one turn later
+        await asyncio.sleep(0)  # the event loop closes connections in its next turn
 
     def _accept(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         if not peer_of(writer.get_extra_info("socket")).is_trusted:
-            writer.write(write_answer(Denied(error="processes of other users can't order anything here")))
+            writer.write(write_answer(Denied(error="processes of other users can't give orders here")))
             writer.close()
             return
         visitor = Visitor(self._coordinator, reader, writer, self._written)
@@ -126,7 +130,7 @@ class ControlSocket:
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """The orders that are allowed on a connection: the types of the orders, a description of them for
+    """Limits of a connection: the types of orders that are allowed, a description of these orders for
     messages, and the longest line [bytes].
     """
 
@@ -144,7 +148,7 @@ class Written:
     def line(self, event: BaseEvent) -> bytes:
         """Return the line of an event."""
         known = self._lines.get(id(event))
-        if known is not None:  # this keeps the event alive, so that no other event can have its id
+        if known is not None:  # the stored event stays alive, so no other event has its id
             return known[1]
         line = write_event(event)
         self._lines[id(event)] = event, line
@@ -193,7 +197,7 @@ class Visitor:
                 self._take(asked)
                 if asked.ends:
                     break
-                await asyncio.sleep(0)  # a flood of questions gets one answer per turn of the event loop
+                await asyncio.sleep(0)  # other tasks run after each answer, even in a flood of questions
             await self._last_words(writing)
         except ConnectionError:
             pass  # the caller has gone
@@ -207,14 +211,16 @@ class Visitor:
         return MOST_LINE if self._limits is None else self._limits.most_line
 
     async def _line(self) -> bytes | Denied:
-        """Return the next line; empty at the end. An incomplete last line is ignored: a caller that dies
-        while writing a line hasn't given the order.
+        """Return the next line; empty at the end of the connection. An incomplete last line is ignored, so
+        that an order isn't executed if its caller dies while writing it.
         """
         try:
             line = await self._reader.readline()
         except ValueError:  # longer than the reader's limit
             return too_long(self._most)
-        return Denied(error="half a line isn't carried out") if line and not line.endswith(b"\n") else line
+        return (
+            Denied(error="an incomplete line isn't executed") if line and not line.endswith(b"\n") else line
+        )
 
     def _take(self, request: Asked) -> None:
         order = request.what
@@ -232,7 +238,7 @@ class Visitor:
             return
         if len(self._carried_out) >= _MOST_WAITING:
             reply.close()
-            self._say(Denied(error="too many orders wait for their ends"), request.id)
+            self._say(Denied(error="too many orders are pending"), request.id)
             return
         task = asyncio.ensure_future(reply)
         self._carried_out.add(task)
@@ -242,24 +248,24 @@ class Visitor:
         """Begin to carry an order out. Return its reply, or an awaitable for the reply."""
         coordinator = self._coordinator
         if self._limits is not None and not isinstance(order, self._limits.allowed):
-            error = f"{name_of(order)} isn't for this door, which takes {self._limits.said}"
+            error = f"{name_of(order)} isn't accepted at this port, which accepts {self._limits.said}"
             self._note(error)
             raise Trouble(error, code="")
         if isinstance(order, orders.Hello):
             if self._client is not None:
-                raise Trouble(f"this connection is {self._client.name} already", code="")
+                raise Trouble(f"this connection already has the name {self._client.name}", code="")
             self._client = coordinator.attach(order.name)
             self._desk = Desk(coordinator, self._client)
             return welcome(coordinator, self._client)
         if self._client is None and not isinstance(order, _FOR_ANYBODY):
-            raise Trouble('who wants this says first who it is: {"order": "hello", "name": "..."}', code="")
+            raise Trouble('introduce the client first: {"order": "hello", "name": "..."}', code="")
         if isinstance(order, orders.Listen):
             self._listen(order)
             return Done()
         return self._desk.answer_now(order)
 
     def _note(self, error: str) -> None:
-        """Log a refusal, if this connection only accepts values from outside."""
+        """Log that an order was refused, if this connection may only send values."""
         if self._limits is not None:
             name = _NAMELESS if self._client is None else self._client.name
             self._coordinator.values.refused(name, error)
@@ -310,7 +316,7 @@ class Visitor:
             pass  # the caller has gone; the reader notices this as well
 
     async def _last_words(self, writing: asyncio.Task[None]) -> None:
-        """Write the waiting lines to a caller that is being disconnected, if it reads them."""
+        """Write the waiting lines to a caller that is being disconnected."""
         writing.cancel()
         while self._outgoing:
             self._writer.write(self._outgoing.popleft())

@@ -48,7 +48,7 @@ from yarclang.runtime.state import State
 from yarclang.simulated_cell.playing import SimulatedCell
 
 POSITIONS_EACH = 0.02
-"""Time between two reported positions [s]: 50 Hz, if the link allows."""
+"""Time between two reported positions [s]: 50 Hz, if the connection is fast enough."""
 
 _SAME_PACE = 1e-6
 """Largest difference of overrides that count as equal [percent]."""
@@ -62,7 +62,7 @@ class SharedRobot:
         session: connection to its controller.
         folder: folder that contains modules, cells and yarc.toml.
         tm: longest segment time of planned motions [ms]; None: that of the robot.
-        cell: path of a cell.toml for all motions; None: that of yarc.toml, if it names one.
+        cell: path of a cell.toml for all motions; None: the one that yarc.toml names, if any.
         log: file or folder in which motions are logged (`Engine`).
         name: name that `yarc status` shows while nothing is in progress.
         simulated: True if the controller is yarclang's simulator.
@@ -70,27 +70,29 @@ class SharedRobot:
         surroundings: machines around a robot that is simulated in this process; None: the robot isn't
             simulated here.
         patient: True to run also while the controller can't be reached, or isn't in the state that the robot
-            needs; nothing can move then.
-        first: number at which the coordinator begins to count programs and offers.
+            needs. Nothing can move in the meantime.
+        first: number of the first program and of the first offer; the numbers count up from it.
         plan: runs planning functions; None: in a thread, so that planning a long program doesn't delay a
             stop.
 
     Attributes:
-        engine: the task that talks to the controller.
+        engine: the task that communicates with the controller.
         carrying: executes all motions, and keeps track of the cell's parts.
         planner: creates offers.
         lines: declarations of the session.
         history: actions of the session.
-        names: the frames and signals that names stand for after the session's lines.
+        names: looks up frames and signals by name, as the session's lines declare them.
         around: the cell, and inputs and outputs by name.
         scenes: descriptions of robot and cell, for programs that draw them.
-        stops: number of stops and aborts so far. Requests that were made before the last one no longer begin.
+        stops: number of stops and aborts so far. A request that was made before the last stop or abort isn't
+            carried out any more.
         rests: number of stops, aborts and holds so far. After one of them, a steering client can't restart
             the robot by just sending further targets.
         why: reason for the robot's present state.
         progress: last reported progress of a program.
         sample: last reported position of the motors.
-        behind: known duration of the program after the current job, at full speed [s].
+        behind: duration of the rest of the program after the current job, without waits, at an override of
+            100 % [s].
     """
 
     def __init__(
@@ -147,7 +149,9 @@ class SharedRobot:
 
     @property
     def cell(self) -> str | None:
-        """Return the path of the cell.toml for all motions; None if only a CELL line can name one."""
+        """Return the path of the cell.toml that applies to all motions; None if a cell can be named only by a
+        CELL line.
+        """
         cell = self.planner.cell
         return None if cell is None else str(Path(cell.source.name).absolute())
 
@@ -197,7 +201,7 @@ class SharedRobot:
         """
         if self._ownership.take(name, shared=shared):
             if not self.under_way:
-                self.engine.close_log()  # each owner's motions have a log of their own
+                self.engine.close_log()  # each owner has a log of its own
             self._tell(events.OwnerChanged(time_s=self.time, owner=name))
 
     def give(self, name: str, to: str) -> None:
@@ -234,7 +238,7 @@ class SharedRobot:
 
     @property
     def time(self) -> float:
-        """Return the session's clock with the precision of events [s]."""
+        """Return the session's clock, rounded like the times of events [s]."""
         return round(self.now, 4)
 
     @property
@@ -297,7 +301,7 @@ class SharedRobot:
     # execution
 
     async def plan(self, function: Callable[..., Any], *arguments: Any) -> Any:
-        """Run a slow planning function. Only one runs at a time, because several would delay the task that
+        """Run a slow planning function. Only one runs at a time: several of them would delay the task that
         streams.
         """
         async with self._planning:
@@ -320,7 +324,7 @@ class SharedRobot:
         return self.planner.generation
 
     async def beside(self, function: Callable[..., Any], *arguments: Any) -> Any:
-        """Run a function like a planning function, but without waiting for planning in progress."""
+        """Run a function in the same way as `plan`, but don't wait for planning in progress."""
         return await self._plan(function, *arguments)
 
     async def carry_out(
@@ -333,14 +337,14 @@ class SharedRobot:
         *,
         serves: bool = False,
     ) -> Ended:
-        """Carry work out, unless there has been a stop since it was requested.
+        """Carry work out, unless there was a stop after it was requested.
 
         Args:
             client: client that orders the work.
             name: name of the work, for messages.
-            lasting: how long the work will take.
+            lasting: duration of the work.
             work: function that moves the robot.
-            stops: number of stops at the time of the request.
+            stops: value of `stops` when the work was requested.
             serves: True if the work may be done after a fault (`Engine.move`).
 
         Raises:
@@ -374,7 +378,9 @@ class SharedRobot:
     # orders from any client
 
     def stop(self) -> None:
-        """Bring the robot to rest on its path, and end the current action. Overtakes all other orders."""
+        """Bring the robot to rest on its path, and end the current action. A stop is executed before all
+        waiting orders.
+        """
         self.stops += 1
         self._order(Stop())
 
@@ -401,11 +407,10 @@ class SharedRobot:
         positions: bool = True,
         arrived: Callable[[], object] = lambda: None,
     ) -> Subscription:
-        """Return an iterator over all events from now on. At most `capacity` events are stored for a
-        subscriber that doesn't read them.
+        """Return an iterator over all events from now on.
 
         Args:
-            capacity: largest number of waiting events.
+            capacity: largest number of events that are stored until the subscriber reads them.
             positions: True if the subscriber wants positions.
             arrived: called when an event has arrived, for a subscriber that doesn't wait for events.
         """
@@ -496,5 +501,5 @@ class SharedRobot:
 
     def _bug(self, error: BaseException, place: str) -> None:
         rests = f"; {place}" if place else ""
-        text = f"a bug of yarclang has ended what was under way: {error!r}{rests}; report it"
+        text = f"a bug of yarclang has ended the current motion: {error!r}{rests}; report it"
         self.tell(text, warning=True, code="Y2001")

@@ -44,9 +44,9 @@ def hear_inputs(
     """Make a session report each change of an input of a simulated controller.
 
     Args:
-        surroundings: the machines around the robot, which run in a thread of their own.
+        surroundings: the machines around the robot, which run in another thread.
         session: session that reports the changes.
-        later: function that calls a given function, with one argument, in the session's event loop.
+        later: schedules the call of a function, with one argument, in the session's event loop.
     """
 
     def tell(event: Set) -> None:
@@ -57,7 +57,7 @@ def hear_inputs(
         session.operation.notices.append(changed)
 
     def heard(event: Set) -> None:
-        with contextlib.suppress(RuntimeError):  # the loop has ended
+        with contextlib.suppress(RuntimeError):  # the event loop has ended
             later(tell, event)
 
     surroundings.listen(heard)
@@ -69,9 +69,9 @@ def receive_values(
     """Make the cameras of a simulated cell send values to the running program, as a client would.
 
     Args:
-        surroundings: the machines around the robot, which run in a thread of their own.
+        surroundings: the machines around the robot, which run in another thread.
         values: receiver of the values.
-        later: function that calls a given function, with one argument, in the session's event loop.
+        later: schedules the call of a function, with one argument, in the session's event loop.
     """
 
     def take(values_given: Given) -> None:
@@ -79,7 +79,7 @@ def receive_values(
             values.take(values_given.values, values_given.number, values_given.camera)
 
     def received(values_given: Given) -> None:
-        with contextlib.suppress(RuntimeError):  # the loop has ended
+        with contextlib.suppress(RuntimeError):  # the event loop has ended
             later(take, values_given)
 
     surroundings.receive(received)

@@ -10,11 +10,11 @@ from yarclang.coordinator.messages.events import BaseEvent, Position
 
 
 class Subscription:
-    """Events as an asynchronous iterator, which ends when the coordinator or the subscription is closed.
+    """Events as an asynchronous iterator. It ends when the coordinator or the subscription is closed.
 
     Args:
-        capacity: largest number of waiting events. If there are more, events are dropped, and their number is
-            reported as `Missed`.
+        capacity: largest number of events that are stored. If there are more, events are dropped, and their
+            number is reported as `Missed`.
         leave: called when the subscription is closed.
         positions: True if the subscriber wants positions.
         told: called when an event has arrived, for a subscriber that doesn't wait in `next`.
@@ -64,7 +64,7 @@ class Subscription:
             await self._arrived.wait()
 
     def waiting(self) -> tuple[BaseEvent, ...]:
-        """Return all waiting events, without waiting for more."""
+        """Return all events that have arrived, without waiting."""
         found: list[BaseEvent] = []
         while (event := self._mailbox.take()) is not None:
             found.append(event)

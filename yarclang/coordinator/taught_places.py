@@ -25,7 +25,7 @@ _TABLE = (
 
 @frozen
 class Place:
-    """The position that was taught last under a name: the line that declares it in a program."""
+    """The last position that was taught under a name, as the program line that declares it."""
 
     controller: str
     program: str
@@ -62,7 +62,8 @@ def teach(robot: Robot, controller: str, program: str, wanted: Teach) -> str:
 
     Args:
         robot: the robot.
-        controller: robot and address; a simulated controller has taught positions of its own.
+        controller: name of the robot and address of the controller. A simulated controller stores taught
+            positions of its own.
         program: name of the program, from `yarclang.coordinator.kept_registers.program_of`.
         wanted: the position.
 
@@ -85,8 +86,8 @@ def teach(robot: Robot, controller: str, program: str, wanted: Teach) -> str:
 
 
 def places(program: str = "") -> list[Place]:
-    """Return the taught positions, sorted by program and name. An empty argument matches all programs or
-    names.
+    """Return the taught positions of a program (empty: of all programs), sorted by controller, program and
+    name of the position.
 
     Raises:
         Trouble: the database can't be read.

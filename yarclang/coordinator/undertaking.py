@@ -1,5 +1,5 @@
-"""Execution of a program: first the motion to its start, then the program as a whole, command by command, or
-repeatedly.
+"""Execution of a program: the motion to its start, then the program itself, as a whole, command by command,
+or repeatedly.
 """
 
 from __future__ import annotations
@@ -27,11 +27,14 @@ from yarclang.runtime.state import Event
 TO_THE_START = "to the start"
 """Name of the motion to a program's start."""
 
-BACK_ON_PATH = "back to where the motion began"
-"""Name of the motion back along the path, which comes before the motions out."""
+BACK_ON_PATH = "back to the start of the motion"
+"""Name of the motion with which a retreat begins. The motion leads back along the path to the beginning of
+the held motion.
+"""
 
 _SAME_TIME = 1e-6
-"""Largest difference of two times that count as equal, when a command is found by its beginning [s]."""
+"""Largest difference of two times that count as equal [s]. A command is found by the time of its beginning.
+"""
 
 
 class Undertaking:
@@ -60,7 +63,7 @@ class Undertaking:
         self._session = coordinator.engine.session
         self._done: list[Passed] = []
         self._taken: frozenset[int] = frozenset()
-        """Steps that the last job has passed on the executed branches."""
+        """Steps of the plan that the last job has passed on the executed branches."""
         self._registers: dict[str, int] = {}
         """Values of the registers at the end of the last job. The next command or pass begins with these
         values.
@@ -76,7 +79,7 @@ class Undertaking:
         try:
             return await self._carry_out(way)
         finally:
-            # The next action executes another program.
+            # The next action may execute another program.
             self._session.replanner = None
 
     async def _carry_out(self, way: Job | None) -> Ended:
@@ -87,13 +90,14 @@ class Undertaking:
             self.on_the_way = True
             ended = await self._perform(way, None)
             if not ended.well:
-                # The command of the approach isn't in the program.
+                # The motion to the start isn't a command of the program.
                 return replace(ended, command="", command_index="", done=0.0, concerns=None)
             self.on_the_way = False
         ended = Ended(True)
         number = 0
         while (job := self._next(number)) is not None:
-            # If the motion to the start was a step, the first command also waits: the user starts each step.
+            # The user starts each command. If the robot has moved to the start, the first command also waits
+            # for the user.
             waits = steps and (number or way is not None)
             if waits and (stopped := await self._pause(job, number)) is not None:
                 return stopped
@@ -113,8 +117,8 @@ class Undertaking:
         return ended
 
     async def _leave(self, outcome: Ended) -> Ended:
-        """Carry out the way out after an input has held a motion: motions back on the path, then the motions
-        out. All of them are proved before the first one begins.
+        """Carry out the retreat after an input has held a motion: back on the path, then the motions out. All
+        motions of the retreat are proved before the first one begins.
 
         Args:
             outcome: outcome of the job whose motion was held.
@@ -128,21 +132,21 @@ class Undertaking:
             else resting_place(plan, loaded.program, joints, outcome.done)
         )
         jobs: tuple[Job, ...] | str = (
-            f"only the program says where {way} leads, and the text was run without it"
+            f"the path of {way} is known only from the program, and the text was run without it"
         )
         if plan is not None and joints is not None and loaded.leave is not None:
-            jobs = "it isn't known where on its path the robot stands"
+            jobs = "the robot's place on its path is unknown"
             if resting is not None:
                 at = loaded.program.commands.index(resting.command)
                 time = float(plan.begins[at]) + resting.done - resting.command.begins
                 jobs = await self._coordinator.plan(loaded.leave, way, at, time, joints)
         if isinstance(jobs, str):
-            problem = f"the robot can't leave by {way}: {jobs}"
-            remedy = "the robot stands on its path; move it from there by hand, or go on with --from"
+            problem = f"the robot can't retreat by {way}: {jobs}"
+            remedy = "the robot is on its path; move it from there by hand, or continue with --from"
             operation.go(Event.FAULT, problem, "Y1638", remedy)
             return replace(outcome, what=problem, remedy=remedy, code="Y1638", leaves="")
-        operation.remark(f"the way back and {way} are planned and proved from where the robot stands")
-        self._done.clear()  # none of these motions ends where the robot will be
+        operation.remark(f"the path back and {way} are planned and proved from the robot's position")
+        self._done.clear()  # after the retreat, the robot can't drive the program's motions back
         for number, job in enumerate(jobs, 1):
             coordinator, name = self._coordinator, way if number == len(jobs) else BACK_ON_PATH
             coordinator.behind = sum(one.lasting.most for one in jobs[number:])
@@ -160,12 +164,12 @@ class Undertaking:
             )
             ended = await coordinator.carrying.perform(job, loaded.program)
             if not ended.well:
-                problem = f"on the way {'of' if number == len(jobs) else 'back, before'} {way}: {ended.what}"
+                problem = f"on the path {'of' if number == len(jobs) else 'back, before'} {way}: {ended.what}"
                 return replace(ended, what=problem, command="", command_index="", done=0.0, concerns=None)
         return Ended(
             False,
-            f"the program was left by {way}, and has ended there",
-            "look why; then run it again from its start",
+            f"the program was abandoned by {way}, and has ended there",
+            "find the cause; then run it again from its start",
             ended.joints,
             registers=outcome.registers,
         )
@@ -188,7 +192,7 @@ class Undertaking:
         if source == "<stdin>":
             session.keeper = session.teacher = None
             if names := ", ".join(register.name for register in loaded.program.registers if register.kept):
-                told = f"a program from standard input keeps no registers: {names} begins anew"
+                told = f"registers of a program from standard input aren't stored: {names} begins anew"
                 session.operation.remark(told, warning=True)
             return
         registers = KeptRegisters(f"{coordinator.robot.name} {owner}", program_of(source))
@@ -200,8 +204,8 @@ class Undertaking:
 
     def _replan(self, wanted: Replan) -> Replanned | str | None:
         """Plan the rest of the program from the position at which a search has ended, or the motions of an
-        OFFSET. Return None if the program can't be planned again; a text is the reason why planning has
-        failed.
+        OFFSET. Return None if the program can't be planned again. If planning has failed, return the reason
+        as text.
         """
         loaded = self.loaded
         begins = [abs(one.begins - wanted.begins) for one in loaded.program.commands]
@@ -238,7 +242,7 @@ class Undertaking:
         )
 
     async def _perform(self, job: Job, number: int | None) -> Ended:
-        """Execute a job: the motion to the start (None), or the job with this number."""
+        """Execute a job. `number` is its number in the program; None for the motion to the start."""
         carrying, loaded = self._coordinator.carrying, self.loaded
         goes_on = self._goes_on(job)
         if number is None:
@@ -261,7 +265,9 @@ class Undertaking:
         return ended
 
     def _goes_on(self, job: Job) -> Job:
-        """Return a job whose registers begin with their values at the end of the job before."""
+        """Return the job, changed so that its registers begin with their values at the end of the previous
+        job.
+        """
         if not job.registers or not self._registers:
             return job
         held = tuple(replace(one, first=self._registers.get(one.name, one.first)) for one in job.registers)

@@ -1,5 +1,5 @@
 """Register values that other processes send to a running program: who may send them, which values are
-refused, and what is logged.
+refused, and which refusals are logged.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from yarclang.runtime.notices import Fill, Wanted
 from yarclang.runtime.values import checked_values
 
 _REFUSALS, _EACH = 5, 1.0
-"""Most refusals of values that are logged (`_REFUSALS`) in a period (`_EACH`) [s]. Of further refusals only
-the number is logged, so that endless wrong messages don't fill the disk.
+"""Largest number of refused values that are logged in a period, and the duration of the period [s]. Of
+further refusals only the number is logged, so that an endless stream of them doesn't fill the disk.
 """
 
 
@@ -24,7 +24,7 @@ class Values:
 
     Args:
         session: session that executes the program.
-        under_way: returns True while something is in progress; otherwise there is no log.
+        under_way: returns True while something is in progress. Otherwise there is no log.
     """
 
     def __init__(self, session: OrderedSession, under_way: Callable[[], bool]) -> None:
@@ -58,7 +58,7 @@ class Values:
         except Trouble as trouble:
             self.refused(client, trouble.what)
             raise
-        operation.want(None)  # a later sender answers another question
+        operation.want(None)  # the question is answered: later values are meant for another question
         self._session.order(Fill(accepted, client))
         return dict(accepted)
 
@@ -73,7 +73,7 @@ class Values:
         if self._told > _REFUSALS:
             self._untold += 1
             return
-        more = f" ({self._untold} others before weren't logged)" if self._untold else ""
+        more = f" ({self._untold} earlier refusals weren't logged)" if self._untold else ""
         self._untold = 0
         self._session.operation.remark(f"values of {client} are refused: {reason}{more}", warning=True)
         self._session.wake()

@@ -1,5 +1,5 @@
 """A TCP port through which a camera, a PLC gateway or a script can send register values to the running
-program. Nothing else is possible there.
+program. All other orders are refused.
 
 A token is checked before the first order is read. The messages are those of the coordinator (`messages/`),
 one JSON object per line.
@@ -23,7 +23,7 @@ _MOST_LINE = 1 << 14
 """Longest line [bytes]."""
 
 _MOST_CLIENTS = 8
-"""Most connections that have sent the token."""
+"""Largest number of connections that have sent the token."""
 
 _LIMITS = Limits(
     (orders.Hello, orders.AskStatus, orders.Listen, orders.Fill), "hello, status, listen and fill", _MOST_LINE
@@ -107,7 +107,7 @@ class ValuesDoor:
         """
         if len(self._waiting) >= self._patience.waiting:
             oldest = next(iter(self._waiting))
-            self._waiting.pop(oldest).write(write_answer(Denied(error="too many connections wait")))
+            self._waiting.pop(oldest).write(write_answer(Denied(error="too many connections are waiting")))
             oldest.cancel()
         self._waiting[task] = writer
         first = await line_within(reader, self._patience.first)
@@ -119,9 +119,9 @@ class ValuesDoor:
         if isinstance(token, Denied):
             return token.error
         if not self.door.opens_by(token):
-            return "the token is wrong: yarc serve gives another one each time that it begins"
+            return "the token is wrong: yarc serve creates a new one at each start"
         if self._let_in >= _MOST_CLIENTS:
-            return f"{_MOST_CLIENTS} connections give values already"
+            return f"{_MOST_CLIENTS} connections send values already"
         del self._waiting[task]
         writer.write(write_answer(Done()))
         self._let_in += 1

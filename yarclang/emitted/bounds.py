@@ -3,6 +3,6 @@ header.
 """
 
 MOST_SEARCHES = 64
-"""Largest number of searches for a path around obstacles. If the judge has the program, it repeats as many
-searches as the header states.
+"""Largest number of searches for a path around obstacles that a header may state. If the judge has the
+program, it repeats as many searches as the header states.
 """

@@ -32,9 +32,10 @@ class Header:
         units: axis units, such as `deg, mm`.
         lasting: known time of all motions and dwells, and the number of waits.
         segments: segment times in use as printed [ms]: none, one, or the least and the largest.
-        longest: longest allowed segment time (--tm) as printed [ms]; empty for the robot's own.
-        searches: number of searches for a path around obstacles (--avoid-effort), of which the quickest path
-            was used; 1 for the first path found.
+        longest: longest segment time that --tm allowed, as printed [ms]; empty if the robot's own limit
+            applied.
+        searches: number of searches for a path around obstacles (--avoid-effort), of whose paths the quickest
+            was used; 1 if the first path found was used.
         certificate: one line that summarises the proofs.
         seal: SHA-256 of the whole text with `UNSEALED` in its place, in hexadecimal. It reveals damage and
             edits. It is no signature, since anybody can compute it.

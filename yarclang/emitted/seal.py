@@ -16,7 +16,7 @@ def sealed(text: str, certificate: str) -> str:
     """Return a controller text that was checked, with the certificate's summary and the seal in its header.
 
     Args:
-        text: the text, with `UNSEALED` in place of both.
+        text: the text, with `UNSEALED` in place of the summary and of the seal.
         certificate: the summary, one line of ASCII.
     """
     # Only the header changes, so that a long text is copied only once.
@@ -32,7 +32,7 @@ def is_sealed(text: str) -> bool:
 
 
 _AT_ONCE = 1 << 20
-"""Characters that are encoded in one step."""
+"""Number of characters that are encoded in one step."""
 
 
 def _hash(*texts: str) -> str:

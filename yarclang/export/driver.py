@@ -1,6 +1,7 @@
-"""Export of the ROS nodes of yarclang as a package that doesn't need yarclang to be installed.
+"""Export yarclang's ROS nodes as a package that works on a computer without yarclang.
 
-The package consists of files of the standard library, and of the nodes' modules from this installation.
+The package consists of files of yarclang's standard library, and of the modules of the nodes from this
+installation.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ _PACKAGE = '''"""The part of yarclang that the ROS nodes need. Written by yarc e
 
 
 def driver_package() -> Package:
-    """Return the package `yarc_driver` for catkin and ament."""
+    """Return the ROS package `yarc_driver`, which can be built with catkin (ROS 1) and ament (ROS 2)."""
     template = stdlib_folder() / "ros" / NAME
     found = {
         path.relative_to(template).as_posix(): path.read_bytes()

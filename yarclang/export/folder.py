@@ -17,30 +17,31 @@ _LARGEST_LIST = 10_000_000
 
 
 def judged(folder: Path, package: Package, *, overwrite: bool) -> tuple[Diagnostic, ...]:
-    """Return an error if a package would overwrite files in the folder that no export has written, or that
-    were changed since the export; empty if the package may be written.
+    """Return an error if a package would overwrite files of the user; empty if the package may be written.
+    Files of the user are those in the folder that no export has written, and those that were changed after
+    the export.
 
     Args:
         folder: the folder to write into.
         package: the package.
-        overwrite: True to overwrite any file. It is an error even then if the name belongs to something other
-            than a file.
+        overwrite: True to overwrite all files. If a folder or other non-file has the name of a file of the
+            package, this remains an error.
     """
     try:
         return _judged(folder, package, overwrite=overwrite)
     except OSError as error:
         reason = reason_of(error)
-        message = f"{folder} can't be looked at: {reason}"
-        return (Diagnostic("Y0107", message, help="check the path and its rights"),)
+        message = f"{folder} can't be read: {reason}"
+        return (Diagnostic("Y0107", message, help="check the path and its permissions"),)
 
 
 def _judged(folder: Path, package: Package, *, overwrite: bool) -> tuple[Diagnostic, ...]:
     if folder.exists() and not folder.is_dir():
-        return (_error(folder, "it is there already, and is no folder", "write elsewhere with -o"),)
+        return (_error(folder, "it exists, but isn't a folder", "write elsewhere with -o"),)
     known = _known(folder)
     odd = [path for path in package.files if (folder / path).exists() and not (folder / path).is_file()]
     if odd:
-        return (_error(folder, f"{_some(odd)} is no file", "write elsewhere with -o"),)
+        return (_error(folder, f"{_some(odd)} isn't a regular file", "write elsewhere with -o"),)
     foreign, changed = [], []
     for path in (*package.files, LIST):
         place = folder / path
@@ -57,13 +58,13 @@ def _judged(folder: Path, package: Package, *, overwrite: bool) -> tuple[Diagnos
         f"{_some(paths)} {'was' if len(paths) == 1 else 'were'} {what}"
         for paths, what in (
             (foreign, "not written by an export"),
-            (changed, "changed since an export has written it"),
+            (changed, "changed since the export that wrote it"),
         )
         if paths
     ]
     if not said:
         return ()
-    help_ = "write elsewhere with -o, or write over them with --overwrite"
+    help_ = "write elsewhere with -o, or replace them with --overwrite"
     return (_error(folder, "; ".join(said), help_),)
 
 
@@ -72,12 +73,13 @@ def write_folder(folder: Path, package: Package) -> tuple[Diagnostic, ...]:
     longer in the package.
 
     Returns:
-        An error if a file can't be written. The files before it are written then, and the list of checksums
-        has the files of both exports.
+        An error if a file can't be written; otherwise empty. After an error, the files before the failed one
+        have been written, and the list of checksums contains the files of both exports.
     """
     known = _known(folder) or {}
     sums = {path: hashlib.sha256(data).hexdigest() for path, data in package.files.items()}
-    # All written files belong to the export, even if a later file can't be written.
+    # List the files before they are written. If the export fails, the next one then recognises all files that
+    # this one has written.
     listed = json.dumps({"files": {**known, **sums}}, indent=1) + "\n"
     try:
         replace_file(folder / LIST, listed.encode())
@@ -93,19 +95,21 @@ def write_folder(folder: Path, package: Package) -> tuple[Diagnostic, ...]:
     except OSError as error:
         reason = reason_of(error)
         where = error.filename or folder
-        help_ = "check the path, its rights, and the room on the disk; then export again"
+        help_ = "check the path, its permissions and the free space on the disk, then export again"
         return (Diagnostic("Y0107", f"{where} can't be written: {reason}", help=help_),)
     return ()
 
 
 def _make_program(path: Path) -> None:
-    """Make a file executable for everybody who may read it."""
+    """Make a file executable for all users who are allowed to read it."""
     mode = path.stat().st_mode
     path.chmod(mode | (mode & 0o444) >> 2)
 
 
 def _known(folder: Path) -> dict[str, str] | None:
-    """Return the checksums of the files that an earlier export wrote; None if there is no readable list."""
+    """Return the checksums of the files that an earlier export wrote; None if the folder has no readable list
+    of them.
+    """
     try:
         files = json.loads(read_whole(folder / LIST, _LARGEST_LIST))["files"]
         return {path: digest for path, digest in files.items() if isinstance(digest, str)}

@@ -17,7 +17,7 @@ def number(value: float) -> str:
 
 
 def row(values: Iterable[float]) -> str:
-    """Return numbers as the text of a list."""
+    """Return numbers as the text of a YAML or JSON list."""
     return f"[{', '.join(map(number, values))}]"
 
 
@@ -27,5 +27,5 @@ def text(value: str) -> str:
 
 
 def texts(values: Iterable[str]) -> str:
-    """Return texts as the text of a list."""
+    """Return texts as the text of a YAML or JSON list."""
     return f"[{', '.join(map(text, values))}]"

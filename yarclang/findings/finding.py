@@ -9,9 +9,9 @@ from yarclang.frozen import frozen
 Severity = Literal["error", "warning", "note"]
 
 Need = Literal["", "name", "meaning", "use", "default", "unit", "end", "block", "place"]
-"""Information that is missing because another line is invalid: a name; the meaning of a name; the use of a
-name; the value of DEFAULT; the right unit; the END or the first line of a block; the end of a motion. Empty
-for none.
+"""Information that a finding needs, and that is missing if another line is invalid: a name; the meaning of a
+name; the use of a name; the value of DEFAULT; the right unit; the END or the first line of a block; the end
+of a motion. Empty for none.
 """
 
 Sort = Literal["", "meeting", "time", "unreachable", "limits", "tolerance"]
@@ -42,8 +42,8 @@ class Follows:
 
     Attributes:
         code: code of the explaining finding.
-        where: line of the explaining finding relative to the other: the same line, a line above, or any other
-            line.
+        where: line of the explaining finding, seen from the explained one: the same line, a line above, or
+            any other line.
     """
 
     code: str
@@ -100,8 +100,8 @@ class Finding:
 
     @property
     def need(self) -> Need:
-        """Information that the finding needs, and that may be missing because of another line. If nothing is
-        given, findings of the families about places need the end of a motion.
+        """Information that the finding needs, and that may be missing because of another line. If `needs` is
+        empty, findings of the families about places need the end of a motion.
         """
         return self.needs or ("place" if self.family in _OF_PLACES else "")
 

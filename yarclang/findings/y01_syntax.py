@@ -19,8 +19,8 @@ FINDINGS = (
         "unclosed",
         "error",
         "a bracket or a text is not closed",
-        "Frames stand in { }, the motion time in [ ], units in ( ), texts in quotes; each is closed in its "
-        "own line.",
+        "Frames are written in { }, the motion time in [ ], units in ( ) and texts in quotes. Each must be "
+        "closed in the same line.",
         "P0010 MOVEJ 0 0 0 0 0 0 [5 (deg,s)",
         "P0010 MOVEJ 0 0 0 0 0 0 [5] (deg,s)",
     ),
@@ -37,8 +37,8 @@ FINDINGS = (
         "empty-program",
         "error",
         "the file has no command",
-        "A program without a command moves nothing: most likely the file was cut off, or another one was "
-        "meant.",
+        "A program without a command moves nothing: most likely the file was cut off, or a wrong file was "
+        "given.",
         "! nothing but a comment",
         "P0010 STOP",
     ),
@@ -47,8 +47,8 @@ FINDINGS = (
         "missing-index",
         "error",
         "a command has no index",
-        "Messages, logs and a start in the middle of the program name a command by its index. Only the "
-        "live interpreter accepts commands without one.",
+        "Messages and logs name a command by its index, and `yarc run --from` begins at an index. Only the "
+        "live interpreter accepts commands without an index.",
         "STOP",
         "P0010 STOP",
         follows=(Follows("Y0202", "here"),),
@@ -57,9 +57,9 @@ FINDINGS = (
         "Y0106",
         "line-too-long",
         "error",
-        "a line is longer than any program line",
-        "Lines of more than 100,000 characters, and texts of more than 20,000,000, are no program: most "
-        "likely a data file was given instead.",
+        "a line or the file is too long for a program",
+        "A line may have at most 100,000 characters, and a program 20,000,000. Most likely a data file was "
+        "given instead.",
     ),
     Finding(
         "Y0107",
@@ -75,17 +75,16 @@ FINDINGS = (
         "controller-text",
         "error",
         "this is the controller's text, not a program",
-        "A .pmc file is the text that yarcc makes of a program. Read as a program, it would give a "
-        "finding for each line.",
+        "A .pmc file is the text that yarcc makes of a program. Give the .yarc file that it was made from.",
     ),
     Finding(
         "Y0109",
         "unknown-function",
         "error",
         "no function has this name",
-        "The functions of expressions are SQRT SIN COS TAN ATAN2 ABS MIN MAX FLOOR CEIL, and those that "
-        "FUNC declares further up. Only functions and numbers can be followed by a bracket: a number's "
-        "bracket holds its unit. A product is written with a `*`.",
+        "Expressions may use the functions SQRT SIN COS TAN ATAN2 ABS MIN MAX FLOOR CEIL, and functions "
+        "that a FUNC line above declares. Only functions and numbers can be followed by a bracket; the "
+        "bracket after a number contains its unit. A product is written with `*`.",
         "P0010 MOVEJ $(SQR(900)) 0 0 0 0 0 [5] (deg,s)",
         "P0010 MOVEJ $(SQRT(900)) 0 0 0 0 0 [5] (deg,s)",
     ),
@@ -93,10 +92,10 @@ FINDINGS = (
         "Y0110",
         "function-arguments",
         "error",
-        "the function takes another number of arguments",
-        "ATAN2 takes two arguments, y and then x; MIN and MAX take two or more; a FUNC takes those of "
-        "its declaration; all other functions take one. Commas separate arguments, so a decimal comma "
-        "turns one number into two.",
+        "the function takes a different number of arguments",
+        "ATAN2 takes two arguments, y and then x. MIN and MAX take two or more. A function that FUNC "
+        "declares takes one argument for each of its parameters. All other functions take one. Commas "
+        "separate arguments, so a decimal comma turns one number into two.",
         "P0010 MOVEJ $(ABS(0,5)) 0 0 0 0 0 [5] (deg,s)",
         "P0010 MOVEJ $(ABS(0.5)) 0 0 0 0 0 [5] (deg,s)",
     ),
@@ -105,8 +104,9 @@ FINDINGS = (
         "foreign-operator",
         "error",
         "an operator of another language",
-        "The operators are OR, AND, NOT, = <> < <= > >=, + -, * / %, **. Operators of other languages may "
-        "mean something else; and `!` starts a comment, so that the rest of the line would be lost.",
+        "The operators are OR, AND, NOT, = <> < <= > >=, + -, * / %, **. Operators of other languages "
+        "aren't accepted, because they may mean something else here. For example, `!` starts a comment, so "
+        "the rest of the line would be lost.",
         "P0010 MOVEJ $(3^2) 0 0 0 0 0 [5] (deg,s)",
         "P0010 MOVEJ $(3**2) 0 0 0 0 0 [5] (deg,s)",
     ),
@@ -114,10 +114,10 @@ FINDINGS = (
         "Y0112",
         "too-deep",
         "error",
-        "too many blocks, CALLs or brackets stand inside each other",
-        "Blocks may be nested 100 deep, and so may operators, functions and brackets in one expression; "
-        "nested CALLs, with the blocks around them, 150 deep. A deeper file was most likely written by a "
-        "program that went wrong.",
+        "blocks, CALLs or brackets are nested too deeply",
+        "In one program, blocks may be nested 100 deep. In one expression, operators, functions and "
+        "brackets may be nested 100 deep. CALLs may be nested 150 deep, counted together with the blocks "
+        "around them. A program that is nested more deeply most likely comes from a faulty generator.",
     ),
     Finding(
         "Y0113",
@@ -125,7 +125,7 @@ FINDINGS = (
         "error",
         "a block has no END",
         "SUB, REPEAT, IF, WHEN, CASE, WHILE, a WAIT with an ELSE and a LOOP without UNTIL each need their "
-        "own END: without it nobody knows which commands are repeated, or depend on the condition.",
+        "own END. Without the END, it isn't clear which commands are repeated or depend on the condition.",
         "REPEAT 2\n  P0010 DMOVEJ 5 0 0 0 0 0 [1] (deg,s)",
         "REPEAT 2\n  P0010 DMOVEJ 5 0 0 0 0 0 [1] (deg,s)\nEND",
         needs="end",
@@ -134,9 +134,9 @@ FINDINGS = (
         "Y0114",
         "end-without-block",
         "error",
-        "an END or ELSE belongs to no block",
-        "END ends the innermost block that is open, and ELSE divides it. If no block is open, the first "
-        "line of a block is missing, and commands would run unconditionally.",
+        "an END or ELSE is not in a block",
+        "END ends the innermost open block, and ELSE divides this block. If no block is open, its first "
+        "line is missing, and the commands that belong in the block would always run.",
         "P0010 MOVEJ HOME [5] (s)\nEND",
         "P0010 MOVEJ HOME [5] (s)",
         needs="block",
@@ -145,9 +145,9 @@ FINDINGS = (
         "Y0115",
         "misplaced-else",
         "error",
-        "a block has an ELSE that it can't have",
-        "IF and WHEN have one ELSE each; SUB and REPEAT have none. For a third case write another IF after "
-        "ELSE, with its own END.",
+        "the block can't have this ELSE",
+        "IF and WHEN may have one ELSE each; SUB and REPEAT have none. To distinguish a third case, write "
+        "another IF, with its own END, in the lines after ELSE.",
         "REPEAT 2\n  P0010 DMOVEJ 5 0 0 0 0 0 [1] (deg,s)\nELSE\n  P0020 MOVEJ HOME [5] (s)\nEND",
         "REPEAT 2\n  P0010 DMOVEJ 5 0 0 0 0 0 [1] (deg,s)\nEND\nP0020 MOVEJ HOME [5] (s)",
     ),
@@ -155,9 +155,9 @@ FINDINGS = (
         "Y0116",
         "not-in-a-block",
         "error",
-        "a block can't hold this line",
-        "Blocks hold commands, FRAME, POSE, JOINTS, LET and blocks other than SUB. Declarations for the "
-        "whole file stand outside of blocks: a loop or a condition would repeat them, or skip them.",
+        "this line isn't allowed in a block",
+        "Blocks may contain commands, FRAME, POSE, JOINTS, LET and blocks other than SUB. Declarations for "
+        "the whole file must be outside of blocks, because a loop or a condition would repeat or skip them.",
         "REPEAT 2\n  DEFAULT (deg,s)\n  P0010 DMOVEJ 5 0 0 0 0 0 [1]\nEND",
         "DEFAULT (deg,s)\nREPEAT 2\n  P0010 DMOVEJ 5 0 0 0 0 0 [1]\nEND",
     ),
@@ -166,8 +166,8 @@ FINDINGS = (
         "surplus-index",
         "error",
         "a declaration has an index",
-        "Only commands have an index: messages, logs and a start in the middle of the program name "
-        "commands by it. A declaration moves nothing.",
+        "Only commands have an index. Messages and logs name a command by its index, and `yarc run --from` "
+        "begins at an index. A declaration isn't executed, so it needs no index.",
         "P0010 LET A = 30\nP0020 MOVEJ $A 0 0 0 0 0 [5] (deg,s)",
         "LET A = 30\nP0010 MOVEJ $A 0 0 0 0 0 [5] (deg,s)",
     ),
@@ -175,11 +175,12 @@ FINDINGS = (
         "Y0118",
         "foreign-character",
         "error",
-        "a character that no program has",
-        "Code is made of blanks, tabs and the printable characters of ASCII. A look-alike (a no-break "
-        "space, a minus sign from a text processor) or an invisible character would be read differently "
-        "from what people see. Comments and texts in quotes may have any character but those that end a "
-        "line in some editors only, change the direction of writing, or control a terminal.",
+        "a character that isn't allowed in a program",
+        "Outside of comments and quoted texts, a program may contain only blanks, tabs and the printable "
+        "characters of ASCII. A look-alike (a no-break space, a minus sign from a text processor) or an "
+        "invisible character would be read differently from how it looks. Comments and quoted texts may "
+        "contain any character, with three exceptions: characters that only some editors treat as a line "
+        "end, characters that change the direction of writing, and characters that control a terminal.",
         "P0010 MOVEJ \u221230 0 0 0 0 0 [5] (deg,s)",
         "P0010 MOVEJ -30 0 0 0 0 0 [5] (deg,s)",
     ),
@@ -188,8 +189,8 @@ FINDINGS = (
         "index-too-long",
         "error",
         "an index has too many digits",
-        "An index is a number of at most nine digits. A longer one is most likely a number that has lost "
-        "the blank before it.",
+        "An index is a number of at most nine digits. If an index is longer, most likely the blank after it "
+        "is missing, so that the next number was read as a part of it.",
         "P0010000000 STOP",
         "P0010 STOP",
     ),

@@ -7,7 +7,7 @@ FINDINGS = (
         "Y0401",
         "wrong-number-of-values",
         "error",
-        "values are missing or surplus",
+        "too few or too many values",
         "A joint position has one value for each joint; a pose has x y z and an orientation.",
         "P0010 MOVEJ 0 0 0 0 30 [5] (deg,s)",
         "P0010 MOVEJ 0 0 0 0 30 0 [5] (deg,s)",
@@ -17,9 +17,9 @@ FINDINGS = (
         "not-a-number",
         "error",
         "this is not a number",
-        "A number is an optional sign, digits with an optional decimal point, and an optional exponent, "
-        "with blanks between numbers. `30-5` may mean two values, and `0,5` may mean 0.5: neither is "
-        "guessed.",
+        "A number is an optional sign, digits with an optional decimal point, and an optional exponent. "
+        "Numbers are separated by blanks. `30-5` may mean two values, and `0,5` may mean 0.5; the meaning "
+        "isn't guessed.",
         "P0010 MOVEJ 0 0 0 0 30-5 0 [5] (deg,s)",
         "P0010 MOVEJ 0 0 0 0 30 -5 [5] (deg,s)",
     ),
@@ -37,17 +37,17 @@ FINDINGS = (
         "quaternion-norm",
         "error",
         "the quaternion's norm isn't 1",
-        "qx qy qz qw of an orientation have the norm 1. A norm that is off by more than 0.001 means that a "
-        "value is missing, mistyped or in the wrong order.",
+        "The values qx qy qz qw of an orientation must have the norm 1. If the norm is off by more than "
+        "0.001, a value is missing, mistyped or in the wrong order.",
         "P0010 MOVEJ_QUAT {TCP} 0 1174.4 1176 0 0 0 2 [5] (mm,deg,s) {B}",
         "P0010 MOVEJ_QUAT {TCP} 0 1174.4 1176 0 0 0 1 [5] (mm,deg,s) {B}",
     ),
     Finding(
         "Y0405",
-        "wrong-number-of-way-points",
+        "wrong-number-of-waypoints",
         "error",
-        "way-points are missing or surplus",
-        "MOVEJ and MOVEL go to one way-point, a spline runs through two or more, separated by semicolons.",
+        "too few or too many waypoints",
+        "MOVEJ and MOVEL take one waypoint; a spline takes two or more, separated by semicolons.",
         "P0010 MOVEJ 0 0 0 0 0 0; 0 0 0 0 30 0 [5] (deg,s)",
         "P0010 MOVEJ_SPLINE 0 0 0 0 10 0; 0 0 0 0 30 0 [5] (deg,s)",
     ),
@@ -56,8 +56,8 @@ FINDINGS = (
         "missing-time",
         "error",
         "the motion time is missing",
-        "The speed of the arm is never guessed: `[20]` is the duration of the whole motion, `[MIN]` the "
-        "shortest that the limits allow.",
+        "The speed of the robot is never guessed. `[20]` gives the duration of the whole motion; `[MIN]` is "
+        "the shortest duration that the limits allow.",
         "P0010 MOVEJ 0 0 0 0 30 0 (deg,s)",
         "P0010 MOVEJ 0 0 0 0 30 0 [MIN] (deg,s)",
         needs="default",
@@ -66,7 +66,7 @@ FINDINGS = (
         "Y0407",
         "bad-time",
         "error",
-        "this is no motion time",
+        "the motion time is invalid",
         "A motion time is a positive number with a unit of time, MIN, a share of the limits ([50%]), or a "
         "speed: [V 250] for Cartesian motions, [V<=250] for all motions.",
         "P0010 MOVEJ 0 0 0 0 30 0 [-5] (deg,s)",
@@ -77,7 +77,7 @@ FINDINGS = (
         "surplus-part",
         "error",
         "the command doesn't take this part",
-        "A part that a command doesn't use suggests that another command was meant.",
+        "An unused part most likely means that another command was intended.",
         "P0010 STOP [5] (s)",
         "P0010 STOP",
     ),
@@ -85,10 +85,10 @@ FINDINGS = (
         "Y0409",
         "half-turn",
         "error",
-        "a turn by half a revolution has no short way",
-        "A straight motion turns about one axis, the short way. At half a turn both ways are equally "
-        "long, and beyond half a turn the other way is the short one. A via pose shows which way is "
-        "meant.",
+        "a rotation by half a turn has no shortest direction",
+        "A straight motion rotates about one axis, in the direction with the smaller angle. At half a turn, "
+        "the angles of both directions are equal. Beyond half a turn, the robot would rotate in the "
+        "opposite direction. To choose the direction, divide the motion at a pose in between.",
         "P0010 DMOVE {TCP} 0 0 0 0 180 0 [5] (mm,deg,s) {B}",
         "P0010 DMOVE {TCP} 0 0 0 0 90 0 [5] (mm,deg,s) {B}\n"
         "P0020 DMOVE {TCP} 0 0 0 0 90 0 [5] (mm,deg,s) {B}",
@@ -97,7 +97,7 @@ FINDINGS = (
         "Y0410",
         "not-computable",
         "error",
-        "the expression has no value",
+        "the expression can't be computed",
         "The expression divides by zero, takes the root of a negative number, or overflows.",
         "LET COUNT = 0\nLET PITCH = 60 / COUNT\nP0010 STOP",
         "LET COUNT = 4\nLET PITCH = 60 / COUNT\nP0010 STOP",
@@ -107,9 +107,9 @@ FINDINGS = (
         "wrong-argument",
         "error",
         "an argument of a CALL, or a default, doesn't fit the SUB's parameter",
-        "A SUB's parameters are frames, numbers (with the unit that follows them), joint positions, inputs "
-        "and outputs. Arguments stand in their order, or have their names (T=2); only a parameter with a "
-        "default may have none. A default must fit as an argument does.",
+        "A parameter of a SUB is a frame, a number (with the unit after it), a joint position, an input or "
+        "an output. Arguments are given in the order of the parameters, or by name (T=2); only parameters "
+        "with a default may be left out. A default must have the kind of its parameter too.",
         "SUB TURN A (deg)\n  P0010 DMOVEJ $A 0 0 0 0 0 [2] (deg,s)\nEND\nP0020 CALL TURN 20 (mm)",
         "SUB TURN A (deg)\n  P0010 DMOVEJ $A 0 0 0 0 0 [2] (deg,s)\nEND\nP0020 CALL TURN 20 (deg)",
         needs="name",
@@ -119,9 +119,9 @@ FINDINGS = (
         "Y0412",
         "bad-option",
         "error",
-        "an option has the wrong argument, or doesn't belong to this command",
-        "ACC takes a percentage, TOL a distance, NEAR the name of a joint position. Each option is given "
-        "once.",
+        "an option has a wrong argument, or isn't allowed with this command",
+        "ACC takes a percentage, TOL and BLEND a distance, NEAR the name of a joint position, ALLOW two "
+        "bodies. Each option may be given once; the message names the option and what it takes.",
         "P0010 MOVEJ 10 0 0 0 0 0 [MIN] (deg) ACC 30",
         "P0010 MOVEJ 10 0 0 0 0 0 [MIN] (deg) ACC 30%",
     ),
@@ -130,8 +130,8 @@ FINDINGS = (
         "bad-variable",
         "error",
         "the controller's variable can't be used",
-        "Inputs and outputs are variables M, P or Q of the controller, 0 to 8191. Some are reserved for "
-        "yarclang: those of the guard and the feedback, and the motors' positions.",
+        "Inputs and outputs are variables M, P or Q of the controller, 0 to 8191. The variables of the "
+        "guard, of the feedback and of the motors' positions are reserved for yarclang.",
         "INPUT DOOR X11\nP0010 WAIT DOOR ON [5] (s)",
         "INPUT DOOR M11\nP0010 WAIT DOOR ON [5] (s)",
     ),
@@ -140,7 +140,7 @@ FINDINGS = (
         "bad-count",
         "error",
         "the count of a REPEAT isn't an integer",
-        "Loops are unrolled before the robot moves: their counts are integers, 0 or more.",
+        "Loops are unrolled before the robot moves, so the count of a REPEAT must be an integer, 0 or more.",
         "REPEAT 2.5\n  P0010 DMOVEJ 1 0 0 0 0 0 [1] (deg,s)\nEND",
         "REPEAT 2\n  P0010 DMOVEJ 1 0 0 0 0 0 [1] (deg,s)\nEND",
     ),
@@ -149,8 +149,8 @@ FINDINGS = (
         "two-names-for-a-variable",
         "warning",
         "one variable of the controller is declared in two ways",
-        "Setting one name changes the other as well, and the variable can have only one safe value. A "
-        "digit may be mistyped.",
+        "A SET of one name would also change the other one, and the variable can have only one safe value. "
+        "A digit may be mistyped.",
         "OUTPUT GRIP M1\nOUTPUT LAMP M1\nP0010 SET LAMP ON",
         "OUTPUT GRIP M1\nOUTPUT LAMP M2\nP0010 SET LAMP ON",
     ),
@@ -160,7 +160,7 @@ FINDINGS = (
         "error",
         "one variable of the controller is an input and an output",
         "A variable is set either by the program or from outside. A program that waits for its own output "
-        "waits for nothing.",
+        "would wait for ever, or not at all.",
         "INPUT CLOSED M1\nOUTPUT GRIP M1\nP0010 SET GRIP ON",
         "INPUT CLOSED M11\nOUTPUT GRIP M1\nP0010 SET GRIP ON",
     ),
@@ -168,9 +168,9 @@ FINDINGS = (
         "Y0420",
         "no-circle",
         "error",
-        "start, via and end give no circle",
+        "start, via and end pose define no circle",
         "MOVEC goes through three points. Points that coincide or lie on a line have no circle through "
-        "them. A full circle is two arcs.",
+        "them. Write a full circle as two arcs.",
         "P0010 MOVEC {TCP} 0 1174.4 1026; 0 1174.4 926 0 0 0 [4] (mm,deg,s) {B}",
         "P0010 MOVEJ 0 -10 -40 0 -30 0 [5] (deg,s)\n"
         "P0020 MOVEC {TCP} 50 1174.4 1126; 0 1174.4 1076 0 0 0 [MIN] (mm,deg,s) {B}",
@@ -179,10 +179,10 @@ FINDINGS = (
         "Y0421",
         "bad-timetable",
         "error",
-        "the times of a timetable's way-points are wrong",
-        "Each way-point of MOVEJ_TIMED has its time in square brackets, counted from the start of the "
-        "motion, and times increase. VEL, and after it ACC, stand at all way-points or at none; the motion "
-        "ends at rest.",
+        "the times of a timetable's waypoints are wrong",
+        "Each waypoint of MOVEJ_TIMED has its time in square brackets, counted from the start of the "
+        "motion. The times must increase. Velocities (VEL) must be given at all waypoints or at none; the "
+        "same applies to accelerations (ACC), which need VEL before them. The motion must end at rest.",
         "P0010 MOVEJ_TIMED 5 0 0 0 0 0 [2]; 9 0 0 0 0 0 [1] (deg,s)",
         "P0010 MOVEJ_TIMED 5 0 0 0 0 0 [2]; 9 0 0 0 0 0 [4] (deg,s)",
     ),
@@ -191,9 +191,10 @@ FINDINGS = (
         "not-at-run-time",
         "error",
         "an expression can't be computed while the program runs",
-        "Registers and inputs are numbers without units, and registers are integers. There are + - * %, "
-        "FLOOR(a / b), comparisons, AND, OR and NOT: each result is an integer, or true or false, on every "
-        "controller. WHEN takes a condition that depends on a register or an input, SET a number.",
+        "Registers and inputs are numbers without units, and registers are integers. An expression with "
+        "registers or inputs may only use + - * %, FLOOR(a / b), comparisons, AND, OR and NOT, because "
+        "their results are the same on every controller. WHEN needs a condition with a register or an "
+        "input. SET needs a number.",
         "REGISTER N 0..9\nP0010 SET N = N / 2",
         "REGISTER N 0..9\nP0010 SET N = FLOOR(N / 2)",
     ),
@@ -202,8 +203,9 @@ FINDINGS = (
         "bad-register",
         "error",
         "a register's range is invalid, or a value is outside of it",
-        "A register is an integer in a range that the program names, so that a count that leaves the range "
-        "ends the run with a reason. It begins with the lowest value, or with the value after the range.",
+        "A register is an integer within a declared range; a value outside of the range would end the run "
+        "with an error. The register starts with the lowest value of its range, or with the value given "
+        "after the range.",
         "REGISTER N 9..0",
         "REGISTER N 0..9\nP0010 SET N = N + 1",
     ),
@@ -212,8 +214,8 @@ FINDINGS = (
         "bad-case",
         "error",
         "an OF of a CASE is invalid or can never be chosen",
-        "OF is followed by integers and ranges of integers. Each value belongs to one OF, and must be "
-        "within the register's range: otherwise its lines never run.",
+        "OF takes integers and ranges of integers. Each value may be given in one OF only. It must be "
+        "within the range of the register, otherwise the lines of its OF would never run.",
         "REGISTER N 0..2\nCASE N\n  OF 0 1\n    P0010 WAIT [1] (s)\n  OF 1..2\n    P0020 WAIT [2] (s)\nEND",
         "REGISTER N 0..2\nCASE N\n  OF 0\n    P0010 WAIT [1] (s)\n  OF 1..2\n    P0020 WAIT [2] (s)\nEND",
     ),
@@ -221,10 +223,10 @@ FINDINGS = (
         "Y0433",
         "case-without-way",
         "error",
-        "a CASE has no way for some values",
-        "A robot that does nothing because a number was forgotten is a fault that is hard to find. Either "
-        "each value of the register has an OF, or ELSE handles the others. An input may read any number, "
-        "so its CASE always has an ELSE.",
+        "a CASE doesn't handle all values",
+        "A value without an OF would be ignored at run time, which is hard to notice. Give each value of "
+        "the register an OF, or add an ELSE for all others. An input can have any value, so its CASE "
+        "always needs an ELSE.",
         "INPUT JOB M70\nCASE JOB\n  OF 1\n    P0010 WAIT [1] (s)\nEND",
         'INPUT JOB M70\nCASE JOB\n  OF 1\n    P0010 WAIT [1] (s)\n  ELSE\n    P0020 HOLD "no such job"\nEND',
     ),
@@ -232,9 +234,9 @@ FINDINGS = (
         "Y0434",
         "too-many-decimals",
         "error",
-        "the value of an input, output or register has more decimals than a text",
-        "A controller's text has nine decimals. A rounded WAIT or condition would compare with a number "
-        "that isn't the program's.",
+        "a value for an input, output or register has too many decimals",
+        "Values in the controller's text have at most nine decimals. After rounding, a WAIT or a condition "
+        "would compare with a different number.",
         "INPUT LEVEL M70\nP0010 WAIT LEVEL 0.1234567894 [5] (s)",
         "INPUT LEVEL M70\nP0010 WAIT LEVEL 0.123456789 [5] (s)",
     ),
@@ -243,8 +245,9 @@ FINDINGS = (
         "wait-for-nothing",
         "error",
         "nothing in the condition of a WAIT can change while it waits",
-        "Registers change in the program's own lines, and none of these runs during a WAIT: it would end "
-        "at once or never. A register that other programs fill (REGISTER ... OUTSIDE) may stand alone.",
+        "Only other lines of the program change this register, and none of them runs during a WAIT. So the "
+        "WAIT would end at once or never. Use an input, or a register that other programs fill (REGISTER "
+        "... OUTSIDE).",
         "REGISTER N 0..5\nP0010 WAIT N = 3 [5] (s)",
         "REGISTER N 0..5\nINPUT FULL M11\nP0010 WAIT N = 3 OR FULL = ON [5] (s)",
     ),
@@ -262,9 +265,9 @@ FINDINGS = (
         "Y0450",
         "leaves-nothing",
         "error",
-        "an EXIT or a RETURN stands where there is nothing to leave",
-        "EXIT leaves the innermost LOOP or WHILE around it, in the same SUB; RETURN leaves the SUB and "
-        "all loops in the SUB. Without a loop or a SUB around it, the line has no meaning.",
+        "an EXIT is outside of a loop, or a RETURN outside of a SUB",
+        "EXIT leaves the innermost LOOP or WHILE around it, in the same SUB; RETURN leaves the SUB and all "
+        "loops in the SUB.",
         "JOINTS A 10 0 0 0 0 0 (deg)\nP0010 MOVEJ A [2] (s)\nP0020 EXIT",
         "JOINTS A 10 0 0 0 0 0 (deg)\nP0010 MOVEJ A [2] (s)\nP0020 STOP",
     ),
@@ -273,8 +276,8 @@ FINDINGS = (
         "else-of-no-wait",
         "error",
         "a WAIT with an ELSE has no condition or no time limit",
-        "The lines of the ELSE run if the condition doesn't hold when the time is over. A WAIT without a "
-        "condition, or without a time limit, never reaches them.",
+        "The lines of the ELSE run if the condition isn't true within the time limit. Without a condition "
+        "or a time limit, they would never run.",
         'INPUT DOOR M11\nP0010 WAIT DOOR ON ELSE\n  P0020 ABORT "the door is open"\nEND',
         'INPUT DOOR M11\nP0010 WAIT DOOR ON [5] (s) ELSE\n  P0020 ABORT "the door is open"\nEND',
     ),
@@ -283,8 +286,9 @@ FINDINGS = (
         "beyond-table",
         "error",
         "a table has no number with this index",
-        "Indices count from 0: a table of three numbers has the indices 0, 1 and 2. A missing number isn't "
-        "replaced by another one, since the robot would go there.",
+        "Indices count from 0: a table of three numbers has the indices 0, 1 and 2. An index outside the "
+        "table is never replaced by the nearest valid one, because the robot could then move to a wrong "
+        "place.",
         "TABLE HEIGHTS 10 20 30\nLET TOP = HEIGHTS[3]\nP0010 STOP",
         "TABLE HEIGHTS 10 20 30\nLET TOP = HEIGHTS[2]\nP0010 STOP",
     ),
@@ -293,8 +297,8 @@ FINDINGS = (
         "bad-index",
         "error",
         "a table is read with the wrong number or kind of indices",
-        "A table of one row or one column has one index; any other table has two: the row, and the place "
-        "in the row. An index is an integer without a unit.",
+        "A table with one row or one column takes one index; any other table takes two: the row, and the "
+        "column. An index is an integer without a unit.",
         "TABLE SPOTS 0 0; 60 40 (mm)\nLET X = SPOTS[1]\nP0010 STOP",
         "TABLE SPOTS 0 0; 60 40 (mm)\nLET X = SPOTS[1, 0]\nP0010 STOP",
     ),
@@ -303,7 +307,7 @@ FINDINGS = (
         "uneven-table",
         "error",
         "the rows of a table aren't equally long",
-        "A missing number would shift all numbers after it. All rows have as many numbers as the first row.",
+        "All rows must have as many numbers as the first row: one missing number would shift all others.",
         "TABLE SPOTS 0 0; 60\nLET X = SPOTS[0, 0]\nP0010 STOP",
         "TABLE SPOTS 0 0; 60 40\nLET X = SPOTS[0, 0]\nP0010 STOP",
     ),
@@ -312,9 +316,9 @@ FINDINGS = (
         "group-out-of-range",
         "error",
         "a group of bits is invalid, or too small for the number",
-        "A group is 2 to 16 variables of one letter that follow each other, the lowest bit first. Its "
-        "value is an integer from 0 to the largest that its bits can hold; a larger number would lose its "
-        "upper bits, and mean another number to the receiver.",
+        "A group has 2 to 16 consecutive variables of one letter, the lowest bit first. Its value is an "
+        "integer from 0 to the largest that its bits can represent; a larger number would lose its upper "
+        "bits, so that the receiver reads a different number.",
         "OUTPUT GO M80..M82\nP0010 SET GO 9",
         "OUTPUT GO M80..M83\nP0010 SET GO 9",
     ),
@@ -323,8 +327,8 @@ FINDINGS = (
         "group-for-a-bit",
         "error",
         "a group of bits is used as a single bit",
-        "WAIT looks at one input, and PULSE gives a pulse on one output. A number of several bits is for "
-        "SET, WHEN and CASE; the sender signals that the number is valid by a bit of its own, a strobe.",
+        "WAIT, UNTIL and ON read one input, and PULSE sets one output. Use SET, WHEN and CASE for a number "
+        "of several bits; the sender should signal a valid number by a separate bit, a strobe.",
         "INPUT JOB M70..M72\nP0010 WAIT JOB 5 [5] (s)",
         "INPUT JOB M70..M72\nINPUT STROBE M73\nP0010 WAIT STROBE ON [5] (s)",
     ),
@@ -332,10 +336,11 @@ FINDINGS = (
         "Y0476",
         "unshiftable-frame",
         "error",
-        "a frame can't be shifted like that",
-        "OFFSET shifts a frame that stands in the cell by registers: X, Y and Z in 0.01 mm, RZ in 0.01 "
-        "degrees about its z axis. The range of each register is the box in which the frame may be. 0 "
-        "belongs to it, since the place without a shift is what the program is proved with before it runs.",
+        "an OFFSET can't shift this frame in this way",
+        "OFFSET shifts a frame by the values of registers: X, Y and Z in steps of 0.01 mm, RZ in steps of "
+        "0.01 degrees about the frame's z axis. The frame must be fixed in the cell. The ranges of the "
+        "registers limit the shift. Each range must include 0, because the program is compiled and proved "
+        "without a shift.",
         "REGISTER DX 5..2000 OUTSIDE\n"
         "FRAME {PART} 0 1174.4 1000 0 0 0 (mm,deg) {B}\n"
         "DEFAULT {TCP} [50%] (mm,deg,s) {B}\n"
@@ -357,9 +362,9 @@ FINDINGS = (
         "error",
         "the lines of an OFFSET can't be planned as a whole when the program runs",
         "The lines of an OFFSET are planned and proved as a whole at the shifted frame, before the robot "
-        "moves. So they have one way: motions, outputs and waits, and neither WHEN, loops, searches nor "
-        "another OFFSET. They end at the place from which the lines after END are proved: at a MOVEL or "
-        "MOVEJ to a place that isn't shifted.",
+        "moves. So they can't branch: motions, outputs and waits are allowed, but no WHEN, loops, searches "
+        "or other OFFSETs. The last motion must be a MOVEL or MOVEJ to a place that isn't shifted, because "
+        "the lines after END are proved from that place.",
         "REGISTER DX -2000..2000 0 OUTSIDE\n"
         "FRAME {PART} 0 1174.4 1000 0 0 0 (mm,deg) {B}\n"
         "DEFAULT {TCP} [50%] (mm,deg,s) {B}\n"
@@ -379,11 +384,12 @@ FINDINGS = (
         "Y0478",
         "no-way-out",
         "error",
-        "the SUB that an ON calls isn't a way on which the robot can leave",
-        "A way out is planned and proved as a whole while the robot stands, and ends the program. So its "
-        "SUB has only motions, SET of outputs and DWELL; put lines that wait, ask, decide or search into "
-        "a program of their own. In a cell with parts it isn't known which parts the robot carries when "
-        "it leaves: write HOLD there.",
+        "the SUB that an ON calls can't be used as a way out",
+        "When the input of an ON ... CALL changes, the robot stops. Then the SUB moves the robot away, and "
+        "the program ends. The SUB is planned and proved as a whole while the robot is at rest. So it needs "
+        "at least one motion, and may contain only motions, SET of outputs and WAIT for a time; put lines "
+        "that wait for an input, ask, decide or search into another program. In a cell with parts, use HOLD "
+        "instead of CALL, because it isn't known which parts the robot carries when it is stopped.",
         "INPUT CURTAIN M11\n"
         "SUB AWAY\n"
         "  P0010 STOP\n"
@@ -401,10 +407,10 @@ FINDINGS = (
         "Y0479",
         "no-way-out-from-here",
         "error",
-        "the way of an ON can't be planned from each place at which it may begin",
-        "After ON ... CALL has held a motion, the robot goes back to the start of that motion, and "
-        "leaves from there. So the way is planned from the start of each motion. The message names the "
-        "motion from which this fails, and the reason.",
+        "the SUB of an ON can't be planned from each place at which it may begin",
+        "After ON ... CALL has held a motion, the robot first returns to the start of that motion, and then "
+        "carries out the SUB. So the SUB is planned from the start of each motion of the program. The "
+        "message names the motion for which this fails, and the reason.",
         "INPUT CURTAIN M11\n"
         "SUB AWAY\n"
         "  P0010 DMOVEJ 100 0 0 0 0 0 [5] (deg,s)\n"
@@ -424,11 +430,11 @@ FINDINGS = (
         "Y0480",
         "unknown-rule",
         "error",
-        "KEEP doesn't know this rule, or its angle can't be kept",
-        "KEEP takes UPRIGHT with an angle, by which the z axis of a carried frame may turn away from that "
-        "of a frame that stands still, ABOVE with a distance from the plane of that frame, or FACING and "
-        "SEEN with the angle of a cone. An angle is at least 0.1 deg, since no executed motion is exact, "
-        "and at most 175 deg.",
+        "the rule of a KEEP is unknown, or its angle is out of range",
+        "KEEP has four rules. UPRIGHT takes the largest angle between the z axes of a carried and a fixed "
+        "frame. ABOVE takes the smallest distance from the plane of the fixed frame. FACING and SEEN take "
+        "the angle of a cone. An angle must be at least 0.1 deg, because no executed motion is exact, and "
+        "at most 175 deg.",
         "DEFAULT {TCP} [50%] (mm,deg,s) {B}\nKEEP {TCP} LEVEL 100 (deg)\n  P0010 MOVEJ 10 0 0 0 30 0\nEND",
         "DEFAULT {TCP} [50%] (mm,deg,s) {B}\nKEEP {TCP} UPRIGHT 100 (deg)\n  P0010 MOVEJ 10 0 0 0 30 0\nEND",
     ),
@@ -436,10 +442,10 @@ FINDINGS = (
         "Y0482",
         "impossible-distance",
         "error",
-        "a range of distances of KEEP can't be kept",
-        "FACING and SEEN may have two distances after the angle, the least and the largest one. At the "
-        "apex of a cone nothing has a direction, so that the least distance is 1 mm or more; and the "
-        "largest one is at least 1 mm more, since no executed motion is exact.",
+        "the range of distances of a KEEP is invalid",
+        "After the angle of FACING or SEEN, two distances may follow: the smallest and the largest. The "
+        "smallest must be at least 1 mm, because no direction is defined at the apex of the cone. The "
+        "largest must exceed the smallest by at least 1 mm, because no executed motion is exact.",
         "DEFAULT {TCP} [50%] (mm,deg,s) {B}\n"
         "KEEP {TCP} SEEN 170 3000 200 (deg,mm)\n"
         "  P0010 MOVEJ 10 0 0 0 30 0\n"
@@ -453,9 +459,10 @@ FINDINGS = (
         "Y0483",
         "needless-rule",
         "warning",
-        "a KEEP asks for nothing that the KEEP around it doesn't",
-        "All rules around a motion hold. A KEEP for the same frames with a wider limit, inside of one with "
-        "a narrower limit, changes nothing, and its motions may still not use what it seems to allow.",
+        "a KEEP has no effect inside a stricter KEEP",
+        "A motion must observe every KEEP around it. If the inner KEEP has the same rule and frames as the "
+        "outer one, but a wider limit, it has no effect: the narrower limit of the outer KEEP applies "
+        "anyway.",
         "DEFAULT {TCP} [50%] (mm,deg,s) {B}\n"
         "KEEP {TCP} UPRIGHT 100 (deg)\n"
         "  P0010 MOVEJ 10 0 0 0 30 0\n"
@@ -476,7 +483,7 @@ FINDINGS = (
         "keeps-nothing",
         "warning",
         "no line of a KEEP moves the robot",
-        "KEEP is a rule for the motions up to its END. Without any, it does nothing.",
+        "KEEP is a rule for the motions up to its END. Without a motion it has no effect.",
         "KEEP {TCP} UPRIGHT 100 (deg)\n  P0010 WAIT [1] (s)\nEND\nP0020 MOVEJ 10 0 0 0 30 0 [2] (deg,s)",
         "KEEP {TCP} UPRIGHT 100 (deg)\n  P0010 WAIT [1] (s)\n  P0020 MOVEJ 10 0 0 0 30 0 [2] (deg,s)\nEND",
     ),
@@ -486,9 +493,9 @@ FINDINGS = (
         "error",
         "a line after a search begins at an unknown place",
         "A motion with UNTIL ends at a place that is known only when the program runs. SET, WAIT, HOLD and "
-        "SAY may follow it; the next motion must be a MOVEL or MOVEJ to an absolute target, which is "
-        "planned and proved when the place is known. Relative motions, splines, blends, loops and branches "
-        "may stand after that motion.",
+        "SAY may follow it. The next motion must be a MOVEL or MOVEJ to an absolute target; it is planned "
+        "and proved at run time, as soon as the place is known. After that motion, relative motions, "
+        "splines, blends, loops and branches are possible again.",
         "INPUT TOUCH M12\n"
         "P0010 MOVEJ 10 0 0 0 30 0 [2] (deg,s) UNTIL TOUCH\n"
         "P0020 DMOVEJ 5 0 0 0 0 0 [2] (deg,s)",
@@ -500,11 +507,11 @@ FINDINGS = (
         "Y0472",
         "analogue-value",
         "error",
-        "an analogue signal can't have this value, or can't be used here",
-        "An analogue signal is a group of bits that counts steps: `INPUT PRESSURE M80..M91 STEP 0.01`. It "
-        "is compared with numbers that are known when the program is compiled, so that every decision at "
-        "run time compares integers. = and a SET need a value that is an integer number of steps; < and > "
-        "take any.",
+        "an analogue signal can't have this value, or isn't allowed here",
+        "An analogue signal is a group of bits whose value counts steps: `INPUT PRESSURE M80..M91 STEP "
+        "0.01`. It can be compared only with numbers that are known when the program is compiled, so that "
+        "every decision at run time compares integers. After = and in a SET, the number must be a multiple "
+        "of the step; after < and > it may be any number.",
         "OUTPUT FLOW M80..M87 STEP 0.5\nP0010 SET FLOW 2.2",
         "OUTPUT FLOW M80..M87 STEP 0.5\nP0010 SET FLOW 2",
     ),
@@ -512,9 +519,9 @@ FINDINGS = (
         "Y0489",
         "unknown-parameter",
         "error",
-        "an argument has a name that is no parameter of the SUB",
-        "ROWS=4 gives the parameter ROWS of the SUB that is called. The names are those in the head of the "
-        "SUB, a frame's without braces.",
+        "the SUB has no parameter with the name of this argument",
+        "For example, ROWS=4 gives the value 4 to the parameter ROWS of the called SUB. The names of the "
+        "parameters are in the first line of the SUB. Write the name of a frame without braces.",
         "SUB TURN A (deg) T=2 (s)\n  P0010 MOVEJ $A 0 0 0 -30 0 [$T] (deg,s)\nEND\nP0020 CALL TURN 20 TT=3",
         "SUB TURN A (deg) T=2 (s)\n  P0010 MOVEJ $A 0 0 0 -30 0 [$T] (deg,s)\nEND\nP0020 CALL TURN 20 T=3",
         needs="name",
@@ -535,8 +542,8 @@ FINDINGS = (
         "unnamed-after-named",
         "error",
         "an argument without a name follows one with a name",
-        "Arguments without names are counted from the left. After a name nobody would see which parameter "
-        "such an argument belongs to.",
+        "Arguments without names belong to the parameters in their order, from the left. After a named "
+        "argument, it wouldn't be clear which parameter an argument without a name belongs to.",
         "SUB TURN A (deg) T=2 (s)\n  P0010 MOVEJ $A 0 0 0 -30 0 [$T] (deg,s)\nEND\nP0020 CALL TURN T=3 20",
         "SUB TURN A (deg) T=2 (s)\n  P0010 MOVEJ $A 0 0 0 -30 0 [$T] (deg,s)\nEND\nP0020 CALL TURN 20 T=3",
     ),

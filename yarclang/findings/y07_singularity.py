@@ -15,10 +15,10 @@ FINDINGS = (
         "Y0702",
         "near-singularity",
         "note",
-        "the path comes near a singularity, and that costs time",
-        "Near a singularity the moving frame's motion takes much more joint speed than elsewhere. The "
-        "smallest singular value of the Jacobian, its lengths measured in the arm's reach, says how near: "
-        "0 is on it, 0.1 to 0.5 far from it. The message names the place, the joint, and how fast it has "
-        "to be there.",
+        "the path passes near a singularity, which costs time",
+        "Near a singularity the joints must turn much faster for the same speed of the moving frame. The "
+        "distance from the singularity is measured by the smallest singular value of the Jacobian (with "
+        "lengths in units of the arm's reach): 0 is at the singularity, 0.1 to 0.5 is far from it. The "
+        "message names the place, the joint, and the joint's speed there.",
     ),
 )

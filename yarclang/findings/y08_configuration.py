@@ -9,16 +9,17 @@ FINDINGS = (
         "error",
         "the path needs another configuration between start and end",
         "A straight motion keeps the arm's configuration (shoulder, elbow, wrist, full turns). If the "
-        "target can be reached only in another configuration, the arm can't get there on a straight line. "
-        "MOVEJ can.",
+        "target can be reached only in another configuration, use MOVEJ, which may change the "
+        "configuration.",
     ),
     Finding(
         "Y0802",
         "not-the-nearest",
         "warning",
-        "a target is taken in another configuration than the nearest",
-        "A pose has several inverse-kinematics solutions, and the nearest is taken. If a Cartesian motion "
-        "after it can't be done from there, the next nearest is taken, and the arm moves farther than "
-        "expected. NEAR with a joint position states which one is meant.",
+        "a target isn't reached in the nearest configuration, because a later motion can't start from there",
+        "A pose can be reached in several configurations. Usually the one nearest to the current joint "
+        "position is taken. Here, a later Cartesian motion can't start from that configuration, so the "
+        "nearest configuration from which the later motion works is taken instead, and the arm moves "
+        "farther than expected. NEAR with a joint position states which configuration is intended.",
     ),
 )

@@ -8,7 +8,8 @@ FINDINGS = (
         "unreachable",
         "warning",
         "commands after STOP are never reached",
-        "STOP ends the program. The commands after STOP look as if they ran, but they don't.",
+        "STOP ends the program. The commands after STOP are never executed, although they look like a part "
+        "of the program.",
         "P0010 STOP\nP0020 MOVEJ HOME [5] (s)",
         "P0010 MOVEJ HOME [5] (s)\nP0020 STOP",
         tag="unneeded",
@@ -17,9 +18,10 @@ FINDINGS = (
         "Y1002",
         "ways-end-apart",
         "error",
-        "the ways of a WHEN end at different joint positions",
-        "The branch is chosen only at run time. The motion after END is planned once, from one place: both "
-        "branches must end there; without ELSE, the branch must end where the WHEN began.",
+        "the branches of a WHEN end at different joint positions",
+        "The branch is chosen only at run time, but the motion after END is planned once, from one joint "
+        "position. So both branches must end at the same joint position. Without an ELSE, the branch must "
+        "end at the joint position at which the WHEN began.",
         "INPUT DOOR M11\nWHEN DOOR OFF\n  P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)\nEND",
         "INPUT DOOR M11\n"
         "WHEN DOOR OFF\n"
@@ -31,9 +33,9 @@ FINDINGS = (
         "Y1003",
         "waits-for-ever",
         "warning",
-        "a WAIT on an input has no time",
-        "If the input never gets there, the robot stands until somebody looks. With a time, the run ends "
-        "with an error that says which input was missing.",
+        "a WAIT for an input has no time limit",
+        "If the input never gets the expected value, the robot waits for ever. With a time limit, the run "
+        "ends with an error that names the input.",
         "INPUT DOOR M11\nP0010 WAIT DOOR ON",
         "INPUT DOOR M11\nP0010 WAIT DOOR ON [30] (s)",
     ),
@@ -41,10 +43,11 @@ FINDINGS = (
         "Y1004",
         "too-many-commands",
         "error",
-        "the program has more than a million commands, or 200,000 rounds of loops, when it is unrolled",
-        "Loops and calls are carried out before the robot moves, so that every motion is checked. They are "
-        "counted first: the finding is at the loop, or the CALL, with which there are too many commands, "
-        "rounds, or declarations. To repeat a program without end, use yarc run --loop.",
+        "the program has more than a million commands, or 200,000 passes of loops, counted with all "
+        "repetitions and calls",
+        "Loops and calls are expanded before the robot moves, so that every motion is checked. The commands "
+        "are counted before that. The finding is at the loop or CALL that exceeds the limit. To repeat a "
+        "program without end, use yarc run --loop.",
         "REPEAT 2000000\n  P0010 WAIT [1] (s)\nEND",
         "REPEAT 20\n  P0010 WAIT [1] (s)\nEND",
     ),
@@ -52,10 +55,10 @@ FINDINGS = (
         "Y1010",
         "blend-into-nothing",
         "note",
-        "BLEND before a line at which the robot stops",
-        "A blend leads from one motion into the next. Before WAIT, HOLD, STOP, a WHEN and the end, and "
-        "before a motion of length 0, the robot stops exactly at the end of the motion. SET doesn't break "
-        "a blend.",
+        "BLEND has no effect: the robot stops after this motion",
+        "A blend joins two motions without a stop. The robot nevertheless stops exactly at the end of a "
+        "motion if a WAIT, a HOLD, a STOP, a WHEN, a motion of length 0 or the end of the program follows. "
+        "A SET between two motions doesn't prevent their blend.",
         "P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s) BLEND 2\nP0020 WAIT [1] (s)",
         "P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)\nP0020 WAIT [1] (s)",
         needs="place",

@@ -8,8 +8,8 @@ FINDINGS = (
         "segment-time-rounded",
         "error",
         "the controller would round this segment time",
-        "TM is kept in steps of 1/4096 ms. A segment time between two steps would make the whole motion "
-        "run faster or slower than asked.",
+        "The controller stores TM in steps of 1/4096 ms. A segment time between two steps would make the "
+        "whole motion run faster or slower than programmed.",
         "yarcc --tm 5.0001",
         "yarcc --tm 5",
     ),
@@ -17,9 +17,10 @@ FINDINGS = (
         "Y1102",
         "segment-time-too-long",
         "error",
-        "the segment time is longer than the robot or the controller takes",
-        "The controller clips TM at 4096 ms, and robot.toml says the longest for this robot "
-        "(controller.largest_tm): the path error grows with the fourth power of the segment time.",
+        "the segment time is longer than the robot or the controller allows",
+        "The controller clips TM at 4096 ms. In addition, robot.toml sets the longest segment time of this "
+        "robot (controller.largest_tm), because the path error grows with the fourth power of the segment "
+        "time.",
         "yarcc --tm 80",
         "yarcc --tm 50",
     ),
@@ -28,8 +29,9 @@ FINDINGS = (
         "segment-time-too-short",
         "error",
         "the controller can't calculate segments this short in time",
-        "A segment has to last longer than three real-time interrupts, which come every I8 + 1 servo "
-        "cycles. Otherwise the next move isn't ready and the program ends with a run-time error.",
+        "A segment must last longer than three real-time interrupts of the controller, each of which takes "
+        "I8 + 1 servo cycles. Otherwise the next move isn't calculated in time, and the program ends with a "
+        "run-time error.",
         "yarcc --tm 1",
         "yarcc --tm 5",
     ),
@@ -38,8 +40,9 @@ FINDINGS = (
         "not-for-this-controller",
         "error",
         "the robot's controller can't do this",
-        "Controllers differ in their targets, and in their actions between motions. yarcc writes only "
-        "texts that the robot's own controller can execute.",
+        "Kinds of controllers differ in the targets (rotary buffer or program buffer) that they offer, and "
+        "in the actions that they can carry out between motions. yarcc writes only texts that the robot's "
+        "own controller can execute.",
         "yarcc --target tape",
         "yarcc --target prog",
     ),
@@ -48,9 +51,9 @@ FINDINGS = (
         "output-not-in-motion",
         "error",
         "the controller can't set this variable while motions flow",
-        "Between two motions that flow into each other the robot doesn't rest, so that an output there is "
-        "set in step with the motion. A Turbo PMAC does that with M-variables; a P- or Q-variable would "
-        "change earlier, when the line is computed.",
+        "If two motions flow into each other, the robot doesn't rest between them, so an output there must "
+        "be set in step with the motion. A Turbo PMAC can do this with M-variables. A P- or Q-variable "
+        "would change too early, when the controller computes the line.",
         "OUTPUT GLUE P100 OFF\n"
         "P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s) BLEND 2\n"
         "P0020 SET GLUE ON\n"
@@ -65,7 +68,8 @@ FINDINGS = (
         "needs-streaming",
         "error",
         "a program buffer can't decide this",
-        "Registers, conditions with AND, OR, NOT and comparisons, and the ways of a CASE are decided by "
-        "the runtime, which sends leg after leg. A text for a program buffer runs without it.",
+        "The runtime decides conditions with registers, AND, OR, NOT and comparisons, and the branches of a "
+        "CASE; therefore it sends the text piece by piece. A text for a program buffer is executed without "
+        "the runtime.",
     ),
 )

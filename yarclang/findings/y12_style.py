@@ -8,7 +8,7 @@ FINDINGS = (
         "index-order",
         "warning",
         "indices don't ascend",
-        "People look for P0030 after P0020. Ascending indices are found quickly.",
+        "Readers look for P0030 after P0020, and find ascending indices quickly.",
         "P0020 MOVEJ HOME [5] (s)\nP0010 STOP",
         "P0010 MOVEJ HOME [5] (s)\nP0020 STOP",
         follows=(Follows("Y0113", "above"),),

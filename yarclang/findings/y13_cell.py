@@ -10,8 +10,8 @@ FINDINGS = (
         "two-orientations",
         "error",
         "an entry has two orientations",
-        "Roll pitch yaw and a quaternion are two forms of one orientation. If both were accepted, one of "
-        "them would be ignored.",
+        "Roll, pitch and yaw (rpy) and a quaternion (quat) are two forms of one orientation. If both were "
+        "accepted, one of them would be ignored.",
         "rpy = [0, 0, 90]\nquat = [0, 0, 0.7071, 0.7071]",
         "rpy = [0, 0, 90]",
     ),
@@ -19,9 +19,9 @@ FINDINGS = (
         "Y1371",
         "moving-zone",
         "error",
-        "a zone hangs on a frame that the robot carries",
-        "A zone is a region of the cell, and stands still. A body that the robot carries is an obstacle "
-        "under FLANGE.",
+        "a zone is attached to a frame that the robot carries",
+        "A zone is a fixed region of the cell. Declare a body that the robot carries under [[obstacles]], "
+        "with the frame FLANGE.",
         "[[zones]]\n"
         'name = "BENCH"\n'
         'rule = "forbidden"\n'
@@ -45,9 +45,9 @@ FINDINGS = (
         "two-cells",
         "error",
         "different cells are named for one robot",
-        "A robot stands in one cell: with two cells, it would avoid the obstacles of only one of them. A "
-        "CELL line, --cell and `cell` in yarc.toml each name the cell; if several are given, all must "
-        "name the same file. A module that names a cell works in programs with the same cell.",
+        "A robot is in one cell: with two cells, it would avoid the obstacles of only one of them. A CELL "
+        "line, --cell and `cell` in yarc.toml each name the cell; if several of them are given, all must "
+        "name the same file. A module with a CELL line can be used only by programs with the same cell.",
         'CELL "left.toml"\nUSE CLAMP      ! whose file has CELL "right.toml"',
         'CELL "left.toml"\nUSE CLAMP      ! whose file has CELL "left.toml"',
     ),
@@ -55,10 +55,10 @@ FINDINGS = (
         "Y1374",
         "wrong-place-of-gripper",
         "error",
-        "a gripper isn't carried by the robot, or a machine that removes parts is",
-        "An output with `grips` closes and opens a gripper, which takes parts along: its frame hangs on "
-        "{FLANGE}. An output with `removes` starts a machine that takes parts away: its frame is fixed in "
-        "the cell.",
+        "a gripper isn't attached to the robot, or a machine that removes parts is attached to it",
+        "An output with `grips` closes and opens a gripper. The gripper carries parts along, so its frame "
+        "must be attached to {FLANGE}. An output with `removes` starts a machine that takes parts away. Its "
+        "frame must be fixed in the cell.",
         '[outputs.GRIP]\nvariable = "M1"\ngrips = "FEEDER"      # whose parent is B',
         '[outputs.GRIP]\nvariable = "M1"\ngrips = "GRIPPER"     # whose parent is FLANGE',
     ),
@@ -67,8 +67,8 @@ FINDINGS = (
         "sensor-of-nothing",
         "error",
         "a sensor names an input or a gripper that the cell doesn't have",
-        "A sensor drives one of the cell's inputs. A vacuum sensor watches the gripper of one of its "
-        "outputs.",
+        "Each sensor sets one of the cell's inputs. A vacuum sensor also names the output of the gripper "
+        "that it watches.",
         '[inputs]\nPART_READY = "M11"\n\n[[sensors]]\ninput = "PART_REDY"\nkind = "vacuum"\ngripper = "GRIP"',
         "[inputs]\n"
         'PART_READY = "M11"\n'
@@ -82,10 +82,10 @@ FINDINGS = (
         "Y1376",
         "zone-too-thin",
         "error",
-        "a zone is so thin that a motion could cross it unseen",
-        "The proof has a tolerance of 0.01 mm at a zone's border, so that a point could cross a very thin "
-        "zone unnoticed. A forbidden, slow or posture zone must be at least 0.1 mm thick, with its margins "
-        "on both sides, and a window of joints at least 0.0001 rad or m wide.",
+        "a zone is so thin that a motion could cross it undetected",
+        "The proof has a tolerance of 0.01 mm at a zone's border, so a point could cross a very thin zone "
+        "unnoticed. A forbidden, slow or posture zone, together with its margins on both sides, must be at "
+        "least 0.1 mm thick. A joint window must be at least 0.0001 rad or m wide.",
         "[[zones]]\n"
         'name = "CURTAIN"\n'
         'rule = "forbidden"\n'
@@ -103,12 +103,13 @@ FINDINGS = (
         "Y1378",
         "tool-changer",
         "error",
-        "tools of a cell and its tool changer don't fit together",
-        "A tool under [[tools]] is a tool of robot.toml that isn't mounted there and has bodies. The "
+        "tools of a cell and its tool changer are inconsistent",
+        "A tool under [[tools]] must be a tool of robot.toml that has bodies and isn't mounted there: the "
         "cell gives its place, and the program puts it on the flange. One output locks the changer "
-        "(`locks_at`); it has no safe value that would drop the tool at each stop. At most one tool is "
-        "on the flange when a program starts (`on = true`). `tool` of an output with a gripper names one "
-        "of these tools, and `frames` names frames on the flange.",
+        "(`locks_at`). This output must not have a safe value that unlocks the changer, because the tool "
+        "would drop at each stop. At most one tool may be on the flange when a program starts (`on = "
+        "true`). An output of a gripper may name one of these tools (`tool`), and `frames` must name frames "
+        "on the flange.",
         '[outputs.LOCK]\nvariable = "M1"\nlocks_at = "ON"\nsafe = "OFF"',
         '[outputs.LOCK]\nvariable = "M1"\nlocks_at = "ON"',
     ),
@@ -116,9 +117,10 @@ FINDINGS = (
         "Y1377",
         "allow-of-no-body",
         "error",
-        "[[allow]] names a body that isn't there",
-        "An entry under [[allow]] has the names of two bodies: links and mounted tools of the robot that "
-        "have shapes, obstacles and parts of the file. A body that isn't there would allow nothing.",
+        "[[allow]] names a body that doesn't exist",
+        "An entry under [[allow]] needs the names of two bodies. These can be links and mounted tools of "
+        "the robot that have shapes, and obstacles and parts of the cell.toml. An entry with any other name "
+        "would have no effect.",
         '[[allow]]\nbodies = ["GRIPER", "BOX"]\nleads_to = "STACK"',
         '[[allow]]\nbodies = ["GRIPPER", "BOX"]\nleads_to = "STACK"',
     ),
@@ -127,9 +129,9 @@ FINDINGS = (
         "allow-nowhere",
         "error",
         "[[allow]] doesn't say on which motions",
-        "An entry under [[allow]] holds for the motions that lead to a frame of the file (leads_to), for "
-        "those that leave it (leaves), or for both. It can't hold everywhere: bodies that never matter to "
-        "each other are a matter of shapes.",
+        "An entry under [[allow]] applies to the motions to a frame of the file (leads_to), to the motions "
+        "away from it (leaves), or to both. It can't apply to all motions: if two bodies overlap "
+        "everywhere, correct their shapes instead.",
         '[[allow]]\nbodies = ["GRIPPER", "BOX"]',
         '[[allow]]\nbodies = ["GRIPPER", "BOX"]\nleads_to = "STACK"\nleaves = "STACK"',
     ),

@@ -10,7 +10,8 @@ FINDINGS: tuple[Finding, ...] = (
         "unknown-link",
         "error",
         "there is no link of this name",
-        "Joints, and base and flange of robot.toml, name links of the URDF, in its upper and lower case.",
+        "Joints of the URDF, and `base` and `flange` of robot.toml, must name links of the URDF. Upper and "
+        "lower case matter.",
         '<child link="Link_2"/>',
         '<child link="link_2"/>',
     ),
@@ -18,31 +19,30 @@ FINDINGS: tuple[Finding, ...] = (
         "Y1348",
         "two-parents",
         "error",
-        "a link hangs on two joints",
-        "An arm is a tree: each link has one joint that moves it.",
+        "a link is the child of two joints",
+        "An arm is a tree: each link is moved by only one joint.",
     ),
     Finding(
         "Y1349",
         "two-roots",
         "error",
-        "the URDF falls into several trees",
-        "A link without a joint above it is a root; the place of a second root isn't known.",
+        "the URDF has several roots",
+        "A link without a joint above it is a root. With two roots, it isn't known where the second one is.",
     ),
     Finding(
         "Y1350",
         "joint-circle",
         "error",
-        "joints go round in a circle",
-        "No link of the circle hangs on the base, so its place isn't known.",
+        "joints form a circle",
+        "No link of the circle is connected to the base, so the place of its links isn't known.",
     ),
     Finding(
         "Y1351",
         "bad-joint-type",
         "error",
         "an arm can't have a joint of this type",
-        "Each joint has one axis and a motor: revolute, continuous or prismatic; fixed joins two links. A "
-        "joint that "
-        "mimics another has no position of its own.",
+        "A joint of the chain is revolute, continuous or prismatic, with one axis and its own motor, or "
+        "it is fixed. A joint that mimics another one has no position of its own.",
         '<joint name="J1" type="Revolute">',
         '<joint name="J1" type="revolute">',
     ),
@@ -59,9 +59,9 @@ FINDINGS: tuple[Finding, ...] = (
         "Y1353",
         "no-chain",
         "error",
-        "no moving chain leads from the base to the flange",
-        "The robot is the chain of joints from the link base to the link flange; the base must be above "
-        "the flange.",
+        "no chain of moving joints connects base and flange",
+        "The robot is the chain of joints from the link `base` to the link `flange`. In the URDF's tree, "
+        "the base must be an ancestor of the flange.",
         'base = "flange"\nflange = "base_link"',
         'base = "base_link"\nflange = "flange"',
     ),
@@ -80,15 +80,15 @@ FINDINGS: tuple[Finding, ...] = (
         "narrower-in-urdf",
         "warning",
         "the URDF's limit is narrower than robot.toml's",
-        "The limits of robot.toml count. If the limits of the URDF are the real ones, the arm would run "
-        "into its end stops.",
+        "The limits of robot.toml are used. If the limits of the URDF are the real ones, the arm would "
+        "run into its end stops.",
     ),
     Finding(
         "Y1356",
         "unknown-shape",
         "error",
         "a body has no readable shape",
-        "The body would lose its shape silently, and the collision check would ignore it.",
+        "Without a readable shape, the collision check would silently ignore the body.",
         '<geometry><cone radius="0.1"/></geometry>',
         '<geometry><cylinder radius="0.1" length="0.2"/></geometry>',
     ),
@@ -97,9 +97,10 @@ FINDINGS: tuple[Finding, ...] = (
         "missing-mesh",
         "error",
         "the file of a mesh isn't there",
-        "Mesh names are seen from the folder of the URDF; package:// is looked for there and in the "
-        "folders above. `yarc robot new` also looks through ROS packages (--package-path, ROS_PACKAGE_PATH, "
-        "AMENT_PREFIX_PATH) and the folders of --meshes; --allow-missing-meshes goes without.",
+        "Mesh names are relative to the folder of the URDF. A name with package:// is searched in this "
+        "folder and in the folders above. `yarc robot new` also searches ROS packages (--package-path, "
+        "ROS_PACKAGE_PATH, AMENT_PREFIX_PATH) and the folders of --meshes. With --allow-missing-meshes, the "
+        "mesh is left out.",
     ),
     Finding(
         "Y1358",
@@ -124,8 +125,8 @@ FINDINGS: tuple[Finding, ...] = (
         "limbs-left-out",
         "error",
         "the chain leaves out joints that have motors",
-        "The chain that was found leaves out a limb as long as an arm: --tip names the link at the end of "
-        "the right chain.",
+        "The chain that was found leaves out a limb as long as an arm. If another chain is the right one, "
+        "name the link at its end with --tip.",
         "yarc robot new two_arms.urdf --yes",
         "yarc robot new two_arms.urdf --yes --tip left_tool0",
     ),
@@ -134,8 +135,9 @@ FINDINGS: tuple[Finding, ...] = (
         "not-ignorable",
         "error",
         "a joint can't be ignored",
-        "ignored_joints names moving joints of the URDF that aren't between the base and the flange, such as "
-        "the fingers of a gripper: no motor of this robot moves them, and they count as standing at 0.",
+        "ignored_joints must name moving joints of the URDF that aren't between the base and the flange, "
+        "such as the fingers of a gripper. No motor of this robot moves these joints, and their position is "
+        "taken as 0.",
         'ignored_joints = ["fingr"]',
         'ignored_joints = ["finger"]',
     ),

@@ -9,8 +9,8 @@ FINDINGS: tuple[Finding, ...] = (
         "Y1312",
         "joint-without-table",
         "error",
-        "a joint of the URDF has no limits",
-        "Every joint between base and flange moves, and so needs the limits that a plan must keep.",
+        "a joint of the URDF has no table of limits",
+        "Every joint between base and flange moves, and needs limits for the planner.",
         "[joints.J1]",
         "[joints.J1]\n...\n[joints.J2]",
     ),
@@ -28,8 +28,8 @@ FINDINGS: tuple[Finding, ...] = (
         "joint-order",
         "warning",
         "the tables aren't in the order of the chain",
-        "HOME, K, J and the other lists are in the order of the chain; a reader of the file would assume the "
-        "order of the tables.",
+        "HOME, K, J and the other lists are in the order of the chain. A reader of the file would expect "
+        "the order of the tables.",
         "[joints.J2]\n[joints.J1]",
         "[joints.J1]\n[joints.J2]",
     ),
@@ -56,7 +56,8 @@ FINDINGS: tuple[Finding, ...] = (
         "position-outside-limits",
         "error",
         "a named position is outside of the limits",
-        "Programs start at HOME; from a position out of limits every plan would be refused.",
+        "Programs start at HOME or at another named position. From a position outside of the limits, every "
+        "plan would be refused.",
         "HOME = [0, 100, 0, 0, 0, 0]",
         "HOME = [0, 90, 0, 0, 0, 0]",
     ),
@@ -82,9 +83,9 @@ FINDINGS: tuple[Finding, ...] = (
         "Y1320",
         "singular-coupling",
         "error",
-        "j can't be inverted",
-        "The joint positions are read back through the inverse of K J (the paper's eq. 4); without one, "
-        "feedback is lost.",
+        "the matrix J can't be inverted",
+        "The joint positions are computed from the motor positions with the inverse of K J (eq. 4 of the "
+        "YARC paper). If J can't be inverted, the robot's position isn't known.",
         "J = [[1, 1], [2, 2]]",
         "J = [[1, 1], [1, -1]]",
     ),
@@ -120,8 +121,8 @@ FINDINGS: tuple[Finding, ...] = (
         "uncoupleable-axes",
         "error",
         "the controller can't couple these axes",
-        "A motor's definition may add up axes only among X Y Z or among U V W; A, B and C are rotary and "
-        "stand alone (TSRM 269).",
+        "A motor's definition may add up several axes only if all are among X Y Z or all are among U V W. "
+        "A, B and C are rotary axes and can't be combined (TSRM 269).",
         'axes = ["X", "Y", "Z", "A", "B", "C"]  # J couples the last two',
         'axes = ["X", "Y", "Z", "A", "U", "V"]',
     ),
@@ -129,9 +130,9 @@ FINDINGS: tuple[Finding, ...] = (
         "Y1325",
         "coupling-count",
         "error",
-        "coupled joints have another number of motors",
-        "Coupled joints need as many motors as joints; otherwise a motion of these joints would have no "
-        "motor, or two.",
+        "the numbers of coupled joints and of their motors differ",
+        "Coupled joints need exactly as many motors as joints. With fewer motors, some joint couldn't be "
+        "moved by itself; with more motors, their positions could contradict each other.",
         "J = [[1, 1], [0, 0]]",
         "J = [[1, 1], [0, 1]]",
     ),
@@ -140,7 +141,7 @@ FINDINGS: tuple[Finding, ...] = (
         "bad-feedback",
         "error",
         "the feedback variable can't be used",
-        "PLC 0 writes the joint positions to P variables; P8100 and above are kept for the guard.",
+        "PLC 0 writes the joint positions to P variables; P8100 and above are reserved for the guard.",
         'feedback = ["Q1"]',
         'feedback = ["P1"]',
     ),

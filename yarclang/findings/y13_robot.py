@@ -10,8 +10,8 @@ FINDINGS: tuple[Finding, ...] = (
         "unknown-robot",
         "error",
         "there is no robot of this name",
-        "A name is looked up in the standard library; a robot of your own is named by the path of its "
-        "robot.toml or folder.",
+        "A robot's name is looked up in the standard library. Name your own robot by the path of its "
+        "robot.toml, or of the folder with this file.",
         "ROBOT INDUSTRAIL6",
         "ROBOT INDUSTRIAL6",
     ),
@@ -20,8 +20,8 @@ FINDINGS: tuple[Finding, ...] = (
         "unreadable-file",
         "error",
         "the file can't be read",
-        "robot.toml, cell.toml and URDF must be there, be readable, and be UTF-8 text. The URDF is looked "
-        "for beside the robot.toml.",
+        "robot.toml, cell.toml and URDF must be there, be readable, and be UTF-8 text. The URDF's path is "
+        "relative to the folder of the robot.toml.",
         'urdf = "industrial.urdf"',
         'urdf = "industrial6.urdf"',
     ),
@@ -58,7 +58,8 @@ FINDINGS: tuple[Finding, ...] = (
         "wrong-type",
         "error",
         "the value is of another type",
-        "Values aren't converted: a text isn't a number, even \"60\", and 1.0 isn't a motor number.",
+        "Values aren't converted: a text isn't a number, even \"60\", and 1.0 isn't an integer, as the "
+        "number of a motor must be.",
         'velocity = "60"',
         "velocity = 60",
     ),
@@ -86,7 +87,8 @@ FINDINGS: tuple[Finding, ...] = (
         "wrong-length",
         "error",
         "the list has another number of entries",
-        "Lists have one entry a joint, in the order of the chain; a pair of limits has two, a place three.",
+        "Lists have one entry for each joint, in the order of the chain. A pair of limits has two entries, "
+        "a position in space has three.",
         "HOME = [0, 0, 0, 0, 0]",
         "HOME = [0, 0, 0, 0, 0, 0]",
     ),
@@ -95,8 +97,8 @@ FINDINGS: tuple[Finding, ...] = (
         "bad-name",
         "error",
         "the name can't be used in a program",
-        "Names are ASCII letters, digits and _; P with digits is a command's index; {B} and {FLANGE} are "
-        "the chain's ends.",
+        "Names consist of ASCII letters, digits and _. A name can't be P followed by digits, which is a "
+        "command's index, nor B or FLANGE, which are the frames at the ends of the chain.",
         "[frames.FLANGE]",
         "[frames.TCP]",
     ),
@@ -114,8 +116,8 @@ FINDINGS: tuple[Finding, ...] = (
         "segment-time",
         "error",
         "the longest segment time is out of range",
-        "Below three real-time interrupts the controller can't calculate in time; TM beyond 4,096 ms is "
-        "clipped (TSRM 476).",
+        "A segment shorter than three real-time interrupts can't be calculated in time. A segment time TM "
+        "above 4,096 ms is clipped (TSRM 476).",
         "largest_tm = 2",
         "largest_tm = 50",
     ),
@@ -124,7 +126,7 @@ FINDINGS: tuple[Finding, ...] = (
         "unknown-parent",
         "error",
         "the parent of a frame isn't a frame",
-        "A frame of robot.toml hangs on FLANGE, or on another frame of the file.",
+        "A frame of robot.toml is attached to FLANGE, or to another frame of the file.",
         'parent = "FLANG"',
         'parent = "FLANGE"',
     ),
@@ -132,7 +134,7 @@ FINDINGS: tuple[Finding, ...] = (
         "Y1330",
         "frame-circle",
         "error",
-        "frames hang on each other in a circle",
+        "frames are attached to each other in a circle",
         "The chain of parents of each frame must end at FLANGE; otherwise the frame's place on the robot "
         "isn't known.",
         '[frames.A1]\nparent = "A2"\n[frames.A2]\nparent = "A1"',

@@ -8,9 +8,9 @@ FINDINGS = (
         "trajectory-columns",
         "error",
         "the columns of a trajectory file aren't those of the robot",
-        "The first line names the columns: time, all joints of the robot, and, for all joints or for none, "
-        "their velocities and with these their accelerations. Columns are known by their names: with a "
-        "missing or repeated joint the motion isn't defined.",
+        "The first line names the columns: time, and all joints of the robot. Columns for velocities may be "
+        "added, for all joints or for none, and then columns for accelerations in the same way. Columns are "
+        "identified by their names, so if a joint is missing or repeated, the motion isn't defined.",
         "time,J1,J2,J3,J4,J5,J5",
         "time,J1,J2,J3,J4,J5,J6",
     ),
@@ -19,9 +19,9 @@ FINDINGS = (
         "trajectory-units",
         "error",
         "the units of a trajectory file aren't clear",
-        "The header gives them for all columns of a kind or for none; without them the units of the "
-        "program's line or of its DEFAULT hold. A mixture of deg and rad would turn a joint 57 times too "
-        "far.",
+        "The header must give units for all columns of a kind or for none. Without units in the header, "
+        "those of the program's line or of its DEFAULT are used. A mixture of deg and rad would turn a "
+        "joint 57 times too far.",
         "time [s],J1 [deg],J2 [rad]",
         "time [s],J1 [deg],J2 [deg]",
     ),
@@ -39,9 +39,8 @@ FINDINGS = (
         "Y1383",
         "trajectory-times",
         "error",
-        "the times of a trajectory file do not increase, or it does not begin and end at rest",
-        "Each row is later than the one before. The robot is at rest at time 0 and in the last row: the "
-        "velocities there are 0.",
+        "the times of a trajectory file don't increase, or the robot isn't at rest at its beginning and end",
+        "Each row must be later than the one before. The velocities at time 0 and in the last row must be 0.",
         "0.5,10,0,0,0,20,0\n0.5,12,0,0,0,20,0",
         "0.5,10,0,0,0,20,0\n0.6,12,0,0,0,20,0",
     ),
@@ -49,8 +48,9 @@ FINDINGS = (
         "Y1384",
         "trajectory-empty",
         "error",
-        "a trajectory file has no way-point",
-        "A trajectory has a header and at least one row after time 0: without one the arm has nowhere to go.",
+        "a trajectory file has no waypoint",
+        "A trajectory needs a header and at least one row after time 0. Without such a row, there is no "
+        "motion.",
         "time,J1,J2,J3,J4,J5,J6",
         "time,J1,J2,J3,J4,J5,J6\n0.5,10,0,0,0,20,0",
     ),
@@ -59,9 +59,9 @@ FINDINGS = (
         "trajectory-place",
         "error",
         "a trajectory file isn't beside its program",
-        "A trajectory is a part of its program. Its file ends in .csv and is in the folder of the program, "
-        "or of the module that names it, or in a folder below, so that both are copied, saved and reviewed "
-        "together.",
+        "A trajectory is a part of its program. Its file must end in .csv, and be in the folder of the "
+        "program or module that names it, or in a folder below. Then both files are copied, saved and "
+        "reviewed together.",
         'P0010 MOVEJ_TIMED "../elsewhere/path.csv"',
         'P0010 MOVEJ_TIMED "path.csv"',
     ),

@@ -19,8 +19,8 @@ FINDINGS: tuple[Finding, ...] = (
         "not-urdf",
         "error",
         "the file isn't a usable URDF",
-        "The root isn't <robot>, the version isn't 1.0 to 1.2, or the file has xacro, a DOCTYPE, or far too "
-        "many elements.",
+        "One of these is wrong: the root isn't <robot>, the version isn't 1.0 to 1.2, the file still "
+        "contains xacro or a DOCTYPE, or it has far too many elements.",
         '<robot name="arm" version="2.0">',
         '<robot name="arm" version="1.1">',
     ),
@@ -29,8 +29,8 @@ FINDINGS: tuple[Finding, ...] = (
         "missing-part",
         "error",
         "an element lacks a part",
-        "Readers of URDF refuse the file without it, or take a default that moves the arm wrongly (an "
-        "<axis> without xyz).",
+        "Without this part, readers of URDF refuse the file, or take a default that moves the arm wrongly "
+        "(for example for an <axis> without xyz).",
         "<axis/>",
         '<axis xyz="0 0 1"/>',
     ),
@@ -39,8 +39,9 @@ FINDINGS: tuple[Finding, ...] = (
         "urdf-name",
         "error",
         "the name of a link or joint can't be used",
-        "Such names become keys of robot.toml and words of messages: ASCII letters, digits, and . _ - are "
-        "safe everywhere. A joint named universe is taken for the one that Pinocchio puts above the root.",
+        "The names of links and joints become keys of robot.toml and words of messages. ASCII letters, "
+        "digits, and . _ - are safe everywhere. No joint may be named universe, because Pinocchio gives "
+        "this name to a joint of its own above the root.",
         '<joint name="axis 1" type="revolute">',
         '<joint name="axis_1" type="revolute">',
     ),
@@ -56,7 +57,7 @@ FINDINGS: tuple[Finding, ...] = (
         "bad-number",
         "error",
         "a number of the URDF can't be read",
-        "Numbers are finite, and lists of them have blanks between, not commas or tabs.",
+        "Numbers must be finite. In lists, they are separated by blanks, not by commas or tabs.",
         '<origin xyz="0, 0.2, 0.449"/>',
         '<origin xyz="0 0.2 0.449"/>',
     ),
@@ -64,8 +65,9 @@ FINDINGS: tuple[Finding, ...] = (
         "Y1346",
         "bad-size",
         "error",
-        "a size isn't above zero",
-        "A shape without extent collides with nothing; a negative mass or speed has no meaning.",
+        "a size isn't above zero, or a mass or speed is negative",
+        "A shape without extent collides with nothing. A negative mass, speed, effort or friction has no "
+        "meaning.",
         '<sphere radius="0"/>',
         '<sphere radius="0.1"/>',
     ),
@@ -74,14 +76,14 @@ FINDINGS: tuple[Finding, ...] = (
         "pinocchio-refuses",
         "error",
         "Pinocchio can't read the URDF",
-        "yarclang's own checks found no error, but the library that builds the model refuses the file; the "
-        "message has its reason.",
+        "yarclang's own checks found no error, but Pinocchio, the library that builds the model, refuses "
+        "the file. The message has its reason.",
     ),
     Finding(
         "Y1361",
         "element-twice",
         "error",
-        "an element stands twice",
+        "an element is given twice",
         "Readers of URDF take the first of two and ignore the second.",
         '<origin xyz="0 0 1"/>\n<origin xyz="0 0 2"/>',
         '<origin xyz="0 0 1"/>',

@@ -8,17 +8,18 @@ FINDINGS: tuple[Finding, ...] = (
         "no-run-log",
         "error",
         "the file isn't the log of a run",
-        "yarc run writes a log for each run, an MCAP file with the program, its text for the controller "
-        "and all that was reported. Other files, other tools' MCAP files, and logs that are cut off before "
-        "the program can't be shown.",
+        "yarc run writes a log for each run: an MCAP file with the program, its controller text and all "
+        "that was reported. Other files, MCAP files of other tools, and logs that are cut off before the "
+        "program can't be shown.",
     ),
     Finding(
         "Y1402",
         "run-log-cut-off",
         "warning",
         "the log of the run is unfinished or damaged",
-        "The log was still being written, its process was killed, the disk was full, or the file was "
-        "copied in part. Everything before that place is shown; the end of the run isn't known.",
+        "The log was still being written, the process that wrote it was killed, the disk was full, or the "
+        "file was copied only in part. Everything up to the damage is shown; the end of the run isn't "
+        "known.",
     ),
     Finding(
         "Y1403",
@@ -33,8 +34,9 @@ FINDINGS: tuple[Finding, ...] = (
         "run-log-without-plan",
         "error",
         "the controller text in the log can't be read",
-        "The planned motion is rebuilt from the text that was streamed, by the same strict reader that "
-        "certifies it. A text that it refuses was written by another version, or was damaged.",
+        "The planned motion is rebuilt from the text that was streamed. The text is read by the judge's "
+        "strict reader, which also reads texts that are proved. A text that the reader refuses was written "
+        "by another version, or was damaged.",
     ),
     Finding(
         "Y1405",
@@ -48,8 +50,8 @@ FINDINGS: tuple[Finding, ...] = (
         "Y1406",
         "run-of-another-robot",
         "error",
-        "the log is of another robot than the one that would be shown",
-        "A log has the joint positions of a run, but not the robot's shape: that comes from the robot's "
-        "own files. Those of another robot would show a wrong motion.",
+        "the log is of another robot than the given one",
+        "A log contains the joint positions of a run, but not the robot's shape, which is read from the "
+        "robot's own files. The files of another robot would show a wrong motion.",
     ),
 )

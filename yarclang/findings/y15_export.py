@@ -17,8 +17,8 @@ FINDINGS: tuple[Finding, ...] = (
         "not-in-trajectory",
         "warning",
         "the program has actions that a trajectory can't contain",
-        "A JointTrajectory has only joints and times. Outputs, waits, stops and choices lie between the "
-        "trajectories of a file, or beside one, and are written there as comments (YAML), fields (JSON) or "
+        "A JointTrajectory has only joints and times. Outputs, waits, stops and branches happen between the "
+        "exported trajectories or during one. The file contains them as comments (YAML), fields (JSON) or "
         "messages (bag). A client that sends only the trajectories skips them: the gripper stays open, the "
         "arm doesn't wait.",
     ),
@@ -37,9 +37,10 @@ FINDINGS: tuple[Finding, ...] = (
         "name-not-for-ros",
         "error",
         "a name can't be used in ROS",
-        "Joints are keys of parameters, and the robot's name is that of a package and of topics: both "
-        "begin with a letter, and have letters, digits and _ only. ROS 1 refuses other names when it loads "
-        "the parameters; ROS 2 splits a name at a point, so that the joint would lose its limits.",
+        "Names of joints are keys of ROS parameters, and the robot's name is also that of a package and of "
+        "topics. Such a name must begin with a letter, and consist of letters, digits and _. ROS 1 refuses "
+        "other names when it loads the parameters. ROS 2 splits a name at a dot, so the joint would lose "
+        "its limits.",
         '<joint name="arm-joint.1" type="revolute">',
         '<joint name="arm_joint_1" type="revolute">',
     ),
@@ -48,24 +49,25 @@ FINDINGS: tuple[Finding, ...] = (
         "motor-limit-not-for-moveit",
         "warning",
         "a motor's speed limit depends on several joints, so MoveIt can't respect it",
-        "A motor that turns with several joints may reach its limit before each of these joints does. "
-        "MoveIt knows only limits of joints, so it may plan motions that the motor can't follow. "
-        "yarclang refuses or slows these motions when they become a program, so no unsafe motion runs.",
+        "If a motor turns with several joints, it may reach its speed limit before any of these joints "
+        "does. MoveIt knows only limits of joints, so it may plan motions that the motor can't follow. "
+        "yarclang refuses or slows such motions when they become a program, so they aren't executed as "
+        "planned by MoveIt.",
     ),
     Finding(
         "Y1536",
         "not-ours-to-overwrite",
         "error",
         "an export would overwrite files that it hasn't written",
-        "A list of checksums (yarc-export.json) has the files that an export has written. Other files, and "
-        "files changed since, are never overwritten.",
+        "yarc-export.json lists the files that an export has written, with their checksums. Other files, "
+        "and files that were changed since, are never overwritten.",
     ),
     Finding(
         "Y1537",
         "mesh-left-out",
         "warning",
         "a mesh of the URDF isn't exported",
-        "The URDF names a file that is missing or unreadable. A mesh that is only for display isn't "
-        "needed for the collision check, but RViz can't show it.",
+        "The URDF names a mesh file that is missing or unreadable. If the mesh is only for display, the "
+        "collision check doesn't need it, but RViz can't show it.",
     ),
 )

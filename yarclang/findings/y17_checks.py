@@ -8,8 +8,9 @@ FINDINGS = (
         "needless-suppression",
         "warning",
         "a comment suppresses a finding that isn't there",
-        "`! yarc: ignore[CODE]` at the end of a line, or alone above it, suppresses warnings and notes of "
-        "that code on that line. Once the cause is gone, the comment would hide the next one.",
+        "`! yarc: ignore[CODE]` at the end of a line, or alone above it, suppresses warnings and notes with "
+        "that code on that line. If the cause has been corrected, remove the comment: it would hide the "
+        "next finding of this kind.",
         "P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s) ! yarc: ignore[Y0603]",
         "P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)",
         tag="unneeded",

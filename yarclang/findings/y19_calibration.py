@@ -8,23 +8,24 @@ FINDINGS = (
         "too-few-touches",
         "error",
         "there are too few points for a calibration",
-        "A tool's tip needs four touches of one point, a frame its origin, a point on x and one of the "
-        "plane, a joint's offset its mark. Touches beyond these show how exact the result is.",
+        "A tool's tip needs four touches of the same point. A frame needs three points: its origin, a point "
+        "on its x axis, and another point of its xy plane. A joint's offset needs a touch of the joint's "
+        "mark. Additional touches show how accurate the result is.",
     ),
     Finding(
         "Y1902",
         "touches-too-alike",
         "error",
-        "the tool pointed the same way in all touches",
-        "The place of the tip is computed from touches with different orientations. Without enough "
-        "rotation, the smallest error of a touch becomes an error of centimetres.",
+        "the tool had the same orientation in all touches",
+        "The place of the tip is computed from touches with different orientations. If the orientations are "
+        "too similar, even a small error of a touch becomes an error of centimetres.",
     ),
     Finding(
         "Y1903",
         "points-too-near",
         "error",
-        "points are too near to each other, or in a line",
-        "A frame's directions come from the distances between its points. If they are too near to each "
+        "points are too near to each other, or on one line",
+        "The directions of a frame's axes are computed from its points. If the points are too near to each "
         "other, small errors turn the frame, and all poses in it, by degrees.",
     ),
     Finding(
@@ -32,14 +33,15 @@ FINDINGS = (
         "touches-contradict",
         "warning",
         "the points contradict each other",
-        "The result is a mean, with an error of about their disagreement. The usual reason is a badly "
-        "touched point, the next a wrong zero of a joint.",
+        "The result is a best fit. Its error is about as large as the disagreement of the points. The usual "
+        "cause is an inaccurate touch; less often, a joint has a wrong zero.",
     ),
     Finding(
         "Y1905",
         "mark-of-no-joint",
         "error",
         "the robot has no joint of this name",
-        "An offset at the wrong joint would shift all taught positions.",
+        "An offset at the wrong joint would shift all taught positions, so the joint's name must be one of "
+        "the robot.",
     ),
 )

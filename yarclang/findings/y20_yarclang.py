@@ -8,35 +8,34 @@ FINDINGS = (
         "internal-error",
         "error",
         "yarclang itself has failed",
-        "yarclang has an error of its own; the program isn't the cause. No output is written for this "
-        "program; other files are still checked. Please report the error: the help has the lines to "
-        "copy.",
+        "This is an error of yarclang, not of the program. No output is written for this program; other "
+        "files are still checked. Please report the error, with the lines that the help shows.",
     ),
     Finding(
         "Y2002",
         "unproved-form",
         "error",
-        "the formatted program can't be proved to mean the same",
-        "Before a formatted program is written, it is read again: it must have the same words and numbers, "
-        "the same comments in the same places, and must not change if formatted again. Otherwise the "
-        "formatter has an error, and the file stays unchanged. Please report it.",
+        "the formatted program may not mean the same",
+        "Before a formatted program is written, it is read again. It must have the same words and numbers, "
+        "and the same comments in the same places. Formatting it again must not change it. Here one of "
+        "these failed, so the formatter has an error, and the file stays unchanged. Please report it.",
     ),
     Finding(
         "Y2003",
         "out-of-memory",
         "error",
         "there was not enough memory",
-        "The operating system gave no more memory while a program was checked. Nothing is written for this "
-        "program; other files are still checked.",
+        "The operating system gave no more memory while a program was checked. No output is written for "
+        "this program; other files are still checked.",
     ),
     Finding(
         "Y2004",
         "killed-process",
         "error",
-        "the processes that worked on a file were ended",
-        "Files that are checked or compiled together are shared among processes. A process that is ended "
-        "costs only the file that it had, and that is tried once more. If the second process ends as well, "
-        "the file has this finding, and the other files are worked on all the same. The usual reason is "
-        "too little memory: give fewer processes with --jobs.",
+        "the processes that handled a file were ended",
+        "When several files are checked or compiled, several processes share them. If a process is ended "
+        "from outside, its file is tried once more. If that process is ended as well, the file gets this "
+        "finding, and all other files are still handled. The usual cause is too little memory: use fewer "
+        "processes with --jobs.",
     ),
 )

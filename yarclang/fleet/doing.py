@@ -1,5 +1,5 @@
-"""Same work for many items. Earlier results are reused if possible; the other items are distributed to
-processes or machines.
+"""Do the same work for many items. Earlier results are reused if possible; the work on all other items is
+distributed to processes or machines.
 """
 
 from __future__ import annotations
@@ -43,15 +43,15 @@ class Doing:
         """Yield the result of `work` for each item, in order.
 
         Args:
-            work: function of a module, or a `partial` of such a function. It may read files only through
-                consulted.py.
+            work: a module's function, or a `partial` of one, so that it can be sent to other processes. It
+                may read files only through consulted.py.
             items: arguments of the work.
-            files: function that returns the files that an item needs and other items don't, as far as known
-                in advance.
+            files: function that returns the files that only this item needs, as far as they are known in
+                advance.
             name: function that returns a key for the work on an item. The key must contain everything on
                 which the result depends, except the contents of files.
-            is_lasting: function that returns True for a result that may be reused, because it would be the
-                same the next time.
+            is_lasting: function that returns True if a result may be reused, because the same work would have
+                the same result the next time.
 
         Raises:
             UnreachableError: the scheduler can't be used.
@@ -70,7 +70,7 @@ class Doing:
                     self.reused += 1
                     yield loaded[0]
                     continue
-                outcome = _with_answers(work, item)  # dropped in the meantime
+                outcome = _with_answers(work, item)  # the store has dropped it since then
             else:
                 outcome = next(made)
             if isinstance(outcome, Lost):
@@ -83,6 +83,8 @@ class Doing:
 
 
 def _with_answers(work: Callable[[T], R], item: T) -> tuple[R, Answers]:
-    """Return a result, and the answers of the disk on which it depends."""
+    """Return the result for an item, and the answers to the questions about files on which the result
+    depends.
+    """
     with recorded() as answers:
         return work(item), answers

@@ -39,22 +39,22 @@ class Installation(NamedTuple):
         return hashlib.sha256(json.dumps(self).encode()).hexdigest()
 
     def difference(self, other: Installation) -> str:
-        """Return the differences between another installation and this one, in words; empty if there are
-        none.
+        """Return the first difference between another installation and this one, in words; empty if they
+        don't differ.
         """
         if other.version != self.version:
-            return f"it has yarclang {other.version}, here is {self.version}"
+            return f"it has yarclang {other.version}, but this computer has {self.version}"
         if other.python != self.python:
-            return f"it has {other.python}, here is {self.python}"
+            return f"it has {other.python}, but this computer has {self.python}"
         if strange := sorted(set(other.others) ^ set(self.others)):
             name = strange[0].partition("-")[0]
             theirs, ours = (
                 next((one for one in side if one.partition("-")[0] == name), f"no {name}")
                 for side in (other.others, self.others)
             )
-            return f"it has {theirs}, here is {ours}"
+            return f"it has {theirs}, but this computer has {ours}"
         if other.content != self.content:
-            return f"its files of yarclang {other.version} are others than here"
+            return f"its files of yarclang {other.version} differ from those of this computer"
         return ""
 
 
@@ -80,7 +80,9 @@ def stamp() -> str:
 
 
 def _files() -> list[tuple[str, Path]]:
-    """Return the files of the package and its library, by their names relative to these."""
+    """Return the files of the package and its library as pairs (path relative to the package or the library,
+    absolute path).
+    """
     return [(name, Path(path)) for name, path in _walked()]
 
 

@@ -2,11 +2,11 @@
 compiles, and the best of them.
 
 Each candidate is the program (or its cell) with another pose of the frame, and is compiled in the ordinary
-way. The search begins with a coarse grid over the whole box of allowed shifts. It continues from the best
-candidates of the grid as a compass search: the best of all candidates one step away along each axis is
-chosen; if none is better, the step is halved (Kolda, Lewis, Torczon: Optimization by direct search, 2003).
-This method needs no derivatives, which a cycle time of whole segments doesn't have. Its candidates are
-independent, so they can be compiled in parallel.
+way. The search begins with a coarse grid over the whole box of allowed shifts. From the best candidates of
+the grid, it continues as a compass search: it compiles the candidates one step away along each axis, and goes
+to the best of them. If none is better, the step is halved (Kolda, Lewis, Torczon: Optimization by direct
+search, 2003). This method needs no derivatives. A cycle time has none, because it is a whole number of
+segments. The candidates of a step are independent, so they can be compiled in parallel.
 """
 
 from __future__ import annotations
@@ -42,10 +42,10 @@ Shift = tuple[float, ...]
 """Shift of a frame from its present pose: one number for each axis of the box [mm or deg]."""
 
 _FINEST = {"X": 0.5, "Y": 0.5, "Z": 0.5, "RX": 0.1, "RY": 0.1, "RZ": 0.1}
-"""Steps of the shifts below which the search ends [mm, deg]."""
+"""The search ends when the steps along all axes are smaller than these [mm, deg]."""
 
 _BEGINNINGS = 2
-"""Number of candidates of the grid from which a compass search begins."""
+"""Number of candidates of the grid, the best ones, from which compass searches begin."""
 
 Aim = Literal["time", "clearance"]
 
@@ -72,8 +72,8 @@ class Task:
         place: path of the cell's file.
         parent: name of the frame's parent.
         pose: (4, 4) present parent_from_frame [m].
-        box: the allowed shifts.
-        aim: criterion: the shortest time, or the largest clearance.
+        box: the allowed shifts along each axis.
+        aim: criterion for the best candidate: the shortest time, or the largest clearance.
     """
 
     program: SourceFile
@@ -170,7 +170,7 @@ def find_task(
         )
     own = cell.frames[name]
     if own.mount.on_flange:
-        raise Trouble(f"{{{name}}} moves with the robot", "name a frame that stands still", "frame")
+        raise Trouble(f"{{{name}}} moves with the robot", "name a fixed frame", "frame")
     source = cell.source
     return Task(
         program, folder, options, name, source, Path(source.name), own.parent, own.parent_from_frame, box, aim
@@ -211,14 +211,14 @@ def moved(task: Task, shift: Shift) -> tuple[SourceFile, SourceFile | None]:
             raise Trouble(str(error), "write the frame's table by hand", "form") from None
         return task.program, SourceFile(task.cell.name, text)
     opened = open_source(task.program, task.folder, task.options)
-    assert opened.value is not None  # it was opened before
+    assert opened.value is not None  # `find_task` has opened it
     shown = around(Program(task.program), task.folder, opened.value.request.robot)
     made = declare_pose(shown, task.frame, pose, task.parent, again=True)
     return SourceFile(task.program.name, applied(task.program.text, made.edits)), None
 
 
 def _key(cell: SourceFile, name: str) -> str:
-    """Return a frame's name with the spelling of the cell's file."""
+    """Return a frame's name with the capital and small letters of the cell's file."""
     import tomllib
 
     tables = tomllib.loads(cell.text).get("frames", {})
@@ -271,7 +271,9 @@ def search(task: Task, judge: Judge, points: int, most: int) -> Placing:
         new = list(dict.fromkeys(one for one in shifts if one not in known))[: most - len(known)]
         for shift, candidate in zip(new, judge(new), strict=True):
             if isinstance(candidate, Lost):
-                raise Trouble(f"a candidate can't be judged: {candidate.reason}", "try --jobs 1", "process")
+                raise Trouble(
+                    f"a candidate can't be evaluated: {candidate.reason}", "try --jobs 1", "process"
+                )
             known[shift] = candidate
 
     look(list(itertools.product(*numbers)))
@@ -292,8 +294,8 @@ def _refine(
     known: dict[Shift, Candidate],
     most: int,
 ) -> None:
-    """Do a compass search from one candidate of the grid, until the steps are smaller than the finest
-    ones.
+    """Do a compass search from one candidate of the grid, until all steps are smaller than those in `_FINEST`
+    or `most` candidates are known.
     """
     center = begin
     steps = [0.5 * one for one in spacing]
@@ -333,8 +335,8 @@ def _spaced(allowed: Range, points: int) -> tuple[float, ...]:
 
 
 def _score(candidate: Candidate, aim: Aim) -> tuple[float, ...]:
-    """Return a sort key by which better candidates come first. Of equal candidates, the one with the smallest
-    shift comes first.
+    """Return a sort key by which better candidates come first. Of candidates with the same clearance, the
+    faster one comes first. Of equal candidates, the one with the smallest shift comes first.
     """
     least = float(np.abs(candidate.shift).sum())
     if candidate.seconds is None:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from multiprocessing.context import SpawnProcess
 
 _AHEAD = 16
-"""Number of items per worker that may be finished before an earlier item is."""
+"""Largest number of items per worker that are handed out ahead of the oldest item without a result."""
 
 _DEATHS = 2
 """Number of killed workers after which an item is given up."""
@@ -31,8 +31,8 @@ class Pool:
         self._items: Sequence[Any] = ()
         self._waiting: deque[int] = deque()
         self._workers: dict[Connection, tuple[SpawnProcess, Connection]] = {}
-        """The processes, by the connection on which each sends results: the process, and the connection
-        on which it gets items.
+        """The processes. Each key is the connection on which a process sends results; its value is the
+        process and the connection on which the process gets items.
         """
         self._busy: dict[Connection, int] = {}
         self._deaths: dict[int, int] = {}
@@ -140,13 +140,13 @@ class Pool:
 
 
 def _how_it_ended(status: int | None) -> str:
-    """Return the way in which two processes that worked on the same item have ended, in words."""
+    """Return, in words, how the processes that worked on an item have ended."""
     if status is not None and status < 0:
         with suppress(ValueError):
             name = signal.Signals(-status).name
             hint = "; is there enough memory?" if name == "SIGKILL" else ""
-            return f"two processes that worked on it were ended by {name}{hint}"
-    return f"two processes that worked on it ended by themselves, the last one with status {status}"
+            return f"two processes that worked on it were killed by {name}{hint}"
+    return f"two processes that worked on it exited, the last one with status {status}"
 
 
 def _serve(work: bytes, items: Connection, answers: Connection) -> None:

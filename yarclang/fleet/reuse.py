@@ -1,9 +1,9 @@
 """Reuse of earlier results, as long as everything on which they depend is unchanged.
 
 The key of a result describes the work: its kind, its options, the path as given, and the installed yarclang.
-The work reads files only by questions to consulted.py, whose answers are stored with the result. The result
-is reused if the disk gives the same answers now. A result that contains the path of the working directory is
-reused only there.
+The work reads files only through consulted.py, as questions with answers. The answers are stored with the
+result. The result is reused if all questions have the same answers now. A result that contains the path of
+the working directory is reused only in this directory.
 """
 
 from __future__ import annotations
@@ -20,11 +20,13 @@ from yarclang.fleet.packing import packed, unpacked
 from yarclang.fleet.store import Store
 
 _MOST_ENTRIES = 8
-"""Most entries of one key that are compared."""
+"""Largest number of a key's entries that are compared with the present files. Further entries are dropped."""
 
 
 _HELD = 100_000
-"""Size above which a result is not held in memory until it is needed [bytes]."""
+"""Size above which a found result isn't kept in memory, but read from the store again when it is needed
+[bytes].
+"""
 
 
 class Found:
@@ -35,7 +37,7 @@ class Found:
         self._again = again
 
     def load(self) -> tuple[Any] | None:
-        """Return the result, in a tuple; None if it was dropped meanwhile."""
+        """Return the result, in a tuple; None if the store has dropped it since it was found."""
         body = self._again() if self._body is None else self._body
         return None if body is None else (unpacked(body),)
 
@@ -75,14 +77,14 @@ class Reuse:
         return None
 
     def keep(self, work: Hashable, answers: Answers, result: Any) -> None:
-        """Store a result with the answers on which it depends."""
+        """Store a result with the answers on which it depends, unless a file was changed during the work."""
         if CHANGED in answers.values():
             return
         body = packed(result)
         here = str(Path.cwd())
         head = {
-            # A result that contains the folder's path by chance is bound to the folder without need, which is
-            # harmless.
+            # A result may contain the folder's path only by chance. Then it is reused only in this folder,
+            # which is harmless.
             "here": here if here.encode() in body else "",
             "answers": [[*question, answer] for question, answer in answers.items()],
         }

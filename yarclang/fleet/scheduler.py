@@ -35,13 +35,15 @@ _PATIENCE = 10.0
 
 _LARGEST_CHUNK = 16
 _CHUNKS_EACH = 4
-"""Least number of chunks of items per thread of the workers, so that the last chunk doesn't take long."""
+"""Smallest number of chunks per thread of the workers into which the items are divided, so that the last
+chunk doesn't take long.
+"""
 
 _UNDER_WAY = 3
 """Number of chunks per thread that are given to the scheduler at the same time."""
 
 _MOST_QUESTIONS = 10_000
-"""Most questions with which one item may be returned."""
+"""Largest number of questions about files that one item may ask."""
 
 _DEATHS = 2
 
@@ -53,11 +55,10 @@ class Scheduler:
     """Connection to a dask scheduler whose workers do the work.
 
     Args:
-        work: function of a module, or a `partial` of such a function. It may read files only through
-            consulted.py.
+        work: a module's function, or a `partial` of one, so that it can be sent to other processes. It may
+            read files only through consulted.py.
         address: address of the scheduler.
-        files: function that returns the files that an item needs and other items don't, as far as known in
-            advance.
+        files: function that returns the files that only this item needs, as far as they are known in advance.
 
     Raises:
         UnreachableError: there is no scheduler, it has no workers, or they have another installation.
@@ -137,10 +138,10 @@ def _check_workers(client: Any, address: str) -> int:
     try:
         installed = client.run(_installed, on_error="return")
     except Exception as error:  # dask raises the exceptions of the workers
-        raise UnreachableError(f"the workers of {address} can't be asked: {error}") from None
+        raise UnreachableError(f"the workers of {address} don't answer: {error}") from None
     for worker, theirs in sorted(installed.items()):
         if not isinstance(theirs, tuple):
-            raise UnreachableError(f"worker {worker} has no yarclang that can be used: {theirs}")
+            raise UnreachableError(f"worker {worker} has no usable yarclang: {theirs}")
         if difference := ours.difference(Installation(*theirs)):
             raise UnreachableError(f"worker {worker} would give other results: {difference}")
     threads: dict[str, int] = client.nthreads()
@@ -245,11 +246,11 @@ class _Rest:
                 raise RuntimeError(content)
 
     def _learn(self, number: int, question: Question) -> None:
-        """Answer a question about a file that an item's work has asked. If two items have asked it, the
-        answer is sent with all further items.
+        """Answer a question about a file that the work on an item has asked. If a second item asks the same
+        question, the answer is sent with all further items.
         """
         if len(self._own[number]) > _MOST_QUESTIONS:
-            raise RuntimeError(f"{question.path} is asked for again and again")
+            raise RuntimeError(f"{question.path} is requested again and again")
         answer = self._answer(question)
         self._own[number][question] = answer
         if self._asked.setdefault(question, number) != number:
@@ -261,8 +262,8 @@ class _Rest:
         return answer
 
     def _offer(self, question: Question, answer: str) -> None:
-        """Give the content of a file to the scheduler as a task, on which the work on items depends. If the
-        worker with the content ends, the scheduler repeats the task on another one.
+        """Give the content of a file to the scheduler, as the result of a task on which the work on items
+        depends. If the worker that holds this result ends, the scheduler repeats the task on another worker.
         """
         if question.kind == CONTENT and answer not in self._contents:
             now, content = content_now(Path(question.path))
@@ -276,7 +277,7 @@ class _Rest:
             else:
                 self._deaths[number] = 1
             if self._deaths[number] > _DEATHS:
-                self._done[number] = Lost(f"the workers that worked on it were ended: {error or 'lost'}")
+                self._done[number] = Lost(f"the workers that worked on it were stopped: {error or 'lost'}")
             else:
                 self._waiting.appendleft(number)
 
@@ -298,8 +299,8 @@ def _do(
         try:
             with _ONE_AT_A_TIME, silent(), bundled(Bundle(unpacked(answers), contents)):
                 result = packed(do(unpacked(item)))
-            # A result that contains the worker's folder would contain the project's folder if it were made by
-            # the sender.
+            # A result that contains the worker's working folder is wrong on the sender, which has another
+            # working folder. The sender does this item itself.
             is_elsewhere = str(Path.cwd()).encode() in result
             done.append((number, "here", None) if is_elsewhere else (number, "result", result))
         except NotBundledError as error:

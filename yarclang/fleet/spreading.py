@@ -64,11 +64,10 @@ def workers(
     context.
 
     Args:
-        work: function of a module, or a `partial` of such a function. It may read files only through
-            consulted.py.
+        work: a module's function, or a `partial` of one, so that it can be sent to other processes. It may
+            read files only through consulted.py.
         place: processes or machines that do the work.
-        files: function that returns the files that an item needs and other items don't, as far as known in
-            advance.
+        files: function that returns the files that only this item needs, as far as they are known in advance.
 
     Raises:
         UnreachableError: the scheduler can't be used.
@@ -81,8 +80,8 @@ def workers(
 def racing_workers(
     work: Callable[[T], R], place: Place, files: Callable[[T], Sequence[Path]]
 ) -> Iterator[RacingWork[T, R]]:
-    """Yield a function that does `work` for items and yields each result as soon as it is available.
-    Arguments and errors are those of `workers`.
+    """Yield a function that does `work` for items. It yields each result as soon as the result is available,
+    while the function of `workers` keeps the order of the items. Arguments and errors are those of `workers`.
     """
     with _crew(work, place, files) as crew:
         yield crew.ended
@@ -130,5 +129,5 @@ def _processes(place: Place) -> int:
 
 
 def own_file(path: str) -> list[Path]:
-    """Return the file of an item that is a path; empty for standard input."""
+    """Return the file that an item names, for items that are paths; empty for `-`, standard input."""
     return [] if path == "-" else [Path(path)]

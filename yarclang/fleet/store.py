@@ -26,7 +26,7 @@ LARGEST = 2_000_000_000
 
 _LARGEST_ENTRY = 200_000_000
 _KEPT = 0.8
-"""Share of the largest size that remains when entries are dropped."""
+"""Size to which the store is reduced when it has become too large, as a share of its largest size."""
 
 _PATIENCE = 5.0
 """Longest wait while another process writes [s]."""
@@ -60,7 +60,9 @@ class Store:
         """Reason why the store can't be used; empty if it can."""
 
     def get(self, key: str) -> Iterator[tuple[int, bytes]]:
-        """Yield the numbers and values of a key's entries that this user has written, last used first."""
+        """Yield the numbers and values of a key's entries that this user has written, the most recently used
+        first.
+        """
         query = "SELECT id, code FROM entries WHERE key = ? ORDER BY used DESC"
         nothing: list[tuple[int, object]] = []
         for number, code in self._ask(lambda base: base.execute(query, (key,)).fetchall(), nothing):

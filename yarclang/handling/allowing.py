@@ -17,10 +17,13 @@ from yarclang.ways import Turn, Ways
 
 @frozen
 class Allowance:
-    """A pair of bodies that may touch during a motion: their names in upper case and alphabetical order.
+    """A pair of bodies that may touch during a motion.
 
-    `line` is the line that allows the contact. It is a line of the program or module or, if `in_cell`, of the
-    cell's file.
+    Attributes:
+        first: name of one body, in upper case.
+        second: name of the other body, after `first` in alphabetical order.
+        line: the line that allows the contact, in the program, a module or the cell's file.
+        in_cell: True if this line is in the cell's file.
     """
 
     first: str
@@ -30,12 +33,12 @@ class Allowance:
 
     @property
     def pair(self) -> tuple[str, str]:
-        """The two names."""
+        """The names of both bodies."""
         return self.first, self.second
 
     @property
     def giver(self) -> str:
-        """The line that allows the contact, for messages: line 12, or line 40 of the cell.toml."""
+        """The line that allows the contact, for messages, such as "line 12" or "line 40 of the cell.toml"."""
         return f"line {self.line}{' of the cell.toml' if self.in_cell else ''}"
 
 
@@ -53,8 +56,8 @@ def allowances_of(program: Program) -> Allowances:
 
 
 def permitted(program: Program) -> tuple[Permitted, ...]:
-    """Return the pairs of bodies that may touch during the motions of a program, in order. For steps that are
-    a section of a longer program, these are the pairs that the longer program allows.
+    """Return the pairs of bodies that may touch during the motions of a program, sorted by step and name. If
+    the program is a section of a longer one, its contacts are those that the longer program allows.
     """
     if program.cells is None:
         found = {step: [one.pair for one in own] for step, own in allowances_of(program).items()}
@@ -67,7 +70,8 @@ def allowances(cell: Cell | None, steps: Sequence[Step]) -> Allowances:
     """Return the pairs of bodies that may touch during each motion of a program.
 
     Args:
-        cell: its `[[allow]]` entries allow contact during motions that lead to a frame or leave it.
+        cell: its `[[allow]]` entries allow contact during motions whose goal is given in a frame, or that
+            leave such a goal.
         steps: steps of the program, whose lines allow contact with ALLOW.
     """
     of_cell = () if cell is None else cell.allowances
@@ -101,8 +105,8 @@ def _by_line(one: Allowed, step: Motion) -> Allowance:
 
 
 def kept(step: Motion, own: Sequence[Allowance]) -> tuple[Allowed, ...]:
-    """Return the contacts that a motion allows, for use of the motion outside of its program: those that its
-    line allows, and those that the cell allows because of the motion's place in the program.
+    """Return the contacts that stay allowed if a motion is used outside of its program: the contacts that its
+    line allows, and those that the cell allows because of the motion's position in the program.
 
     Args:
         step: the motion.
@@ -135,10 +139,9 @@ def frames_led_to(step: Motion, source: SourceFile | None) -> frozenset[str]:
 def _with_frames(
     steps: Sequence[Step], source: SourceFile | None
 ) -> Iterator[tuple[int, Motion, frozenset[str], frozenset[str]]]:
-    """Yield each motion with its step number, the frames to which it leads, and the frames to which the
-    previous motion has led on every branch.
-
-    At the start of a loop there is no such previous frame, because the passes begin after different motions.
+    """Yield each motion with its step number, the frames in which its goal is given, and the frames in which
+    the previous motion's goal is given on every branch. At the start of a loop there is no such previous
+    frame, because the passes begin after different motions.
     """
     nowhere: frozenset[str] = frozenset()
     at = Ways(nowhere)

@@ -1,4 +1,4 @@
-"""Describe what a gripper does at a SET, and where the workpieces are between two steps."""
+"""Describe the effect of a SET on a gripper, and the places of the workpieces between two steps."""
 
 from __future__ import annotations
 
@@ -16,8 +16,9 @@ from yarclang.ways import Turn, Ways
 class Parted:
     """The end of a WHEN whose two branches leave different tools on the flange.
 
-    `began` is the step at which the branches began. `tools` are the names of the tools after the one branch
-    and after the other, empty for no tool.
+    Attributes:
+        began: the step at which the branches begin.
+        tools: names of the tools after the first and after the second branch; empty for no tool.
     """
 
     began: Turn
@@ -28,9 +29,11 @@ class Parted:
 class Whereabouts:
     """The places of the workpieces between two steps of a program.
 
-    `unlike` names a workpiece that isn't at the same place at the end as at the start of the last loop's
-    first pass; empty if there is none. `parted` is set if branches that end here leave different tools on the
-    flange.
+    Attributes:
+        ways: the places, with the WHENs and loops that are open between the two steps.
+        unlike: at the end of a loop's pass, the name of a workpiece whose place differs from its place at the
+            start of the loop; otherwise empty.
+        parted: at the end of branches that leave different tools on the flange, these tools; otherwise None.
     """
 
     ways: Ways[Parts] = Ways(NO_PARTS)
@@ -49,11 +52,17 @@ class Whereabouts:
 
 @frozen(eq=False)
 class Grasp:
-    """The effect of a SET on a gripper, with the flange at `base_from_flange` (4, 4) [m].
+    """The effect of a SET on a gripper.
 
-    `step` is the step of the SET. `closes` is True if the SET closes the gripper, and False if it opens it.
-    `before` and `after` are the places of the workpieces, `near` is the workpiece nearest to a gripper that
-    closes.
+    Attributes:
+        step: the step of the SET.
+        variable: variable of the gripper's output.
+        grip: the gripper.
+        closes: True if the SET closes the gripper, False if it opens it.
+        base_from_flange: (4, 4) pose of the flange [m].
+        before: places of the workpieces before the SET.
+        after: places of the workpieces after the SET.
+        near: the workpiece nearest to a gripper that closes.
     """
 
     step: int

@@ -18,9 +18,7 @@ from yarclang.handling.racks import Nearest, locked, nearest_tool, unlocked
 from yarclang.shapes import Array, Shape, Sphere
 
 BUILT_IN = ""
-"""Value in place of the gripper for parts that are on the flange from the start and that no output
-releases.
-"""
+"""Value of `Item.gripper` for parts that are on the flange from the start and that no output releases."""
 
 
 NO_PARTS = Parts(())
@@ -91,7 +89,7 @@ def _between(one: Shape, base_from_one: Array, other: Shape, base_from_other: Ar
 
     try:
         first, second = _hull(one), _hull(other)
-    except UnreadableError:  # reported with the collisions
+    except UnreadableError:  # the collision check reports the mesh
         return float("inf")
     request, answer = coal.DistanceRequest(), coal.DistanceResult()
     request.enable_signed_distance = True
@@ -137,7 +135,8 @@ def close(
     flange_from_part = np.linalg.inv(base_from_flange) @ item.transform
     taken = replace(item, pose=flange_from_part.tobytes(), gripper=variable)
     items = tuple(taken if one is item else one for one in parts.items)
-    # even if the part was put back to its place and is taken again, the next part can't come there
+    # if the part was put back at its initial place earlier, and is taken from there again, the next part
+    # comes only after this new SET
     expected = tuple(
         dict.fromkeys(replace(one, taken=step) if _blocks(item, one) else one for one in parts.expected)
     )
@@ -148,8 +147,8 @@ def close(
 
 
 def open_(parts: Parts, variable: str, base_from_flange: Array) -> Parts:
-    """Open a gripper at a flange pose (4, 4). The workpieces that it holds stay where they are. A tool that a
-    tool changer releases at the tool's place is put exactly there.
+    """Open a gripper at a flange pose (4, 4). The workpieces that it holds stay where they are. If a tool
+    changer releases a tool at the tool's place, the tool is put into exactly this place.
     """
     parts = unlocked(parts, variable, base_from_flange)
     items = tuple(
@@ -162,8 +161,8 @@ def open_(parts: Parts, variable: str, base_from_flange: Array) -> Parts:
 
 
 def shift(parts: Parts, names: Collection[str], moved: Array, taken: int) -> Parts:
-    """Move workpieces that are still at their initial places. The next ones of the same kinds still come to
-    the initial place.
+    """Move workpieces that haven't left their initial places. The next workpieces of the same kinds come to
+    the unmoved initial places.
 
     Args:
         parts: where the workpieces are.
@@ -203,8 +202,8 @@ def arrive(parts: Parts, leaving: Collection[int]) -> Parts:
 
     Args:
         parts: where the workpieces are.
-        leaving: SETs that closed a gripper, if the robot is still on its straight departure from there. The
-            places of the workpieces that these SETs took stay empty for now.
+        leaving: SETs that closed a gripper, and from which the robot is still departing on a straight path.
+            The places of the workpieces that these SETs took stay empty for now.
     """
     lying = [one for one in parts.items if one.gripper is None and one.part.rack is None and one.is_sure]
     here = [
@@ -218,7 +217,8 @@ def arrive(parts: Parts, leaving: Collection[int]) -> Parts:
     known = {one.name for one in parts.items}
     return replace(
         parts,
-        # the branches of a WHEN may have taken the previous part with different SETs
+        # the next part may be expected twice: both branches of a WHEN may have taken the previous one, by
+        # different SETs
         items=(*parts.items, *(one for one in dict.fromkeys(new) if one.name not in known)),
         expected=tuple(one for one in parts.expected if one not in here),
     )
@@ -238,12 +238,12 @@ def _blocks(item: Item, expected: Expected) -> bool:
 
 
 _DEEP = 1e-3
-"""Overlap above which two parts can't be at the same place [m]."""
+"""Overlap above which two parts can't be in the cell at the same time [m]."""
 
 
 def either(one: Parts, other: Parts) -> Parts:
-    """Return the union of two states of the workpieces, after branches of which either may have been
-    taken.
+    """Return the state of the workpieces after two branches of which either may have been executed: the union
+    of both states.
     """
     if one == other:
         return one
@@ -292,8 +292,8 @@ def _are_alike(one: Item, other: Item) -> bool:
 
 
 _ALIKE = 1e-7
-"""Poses that differ by less than this [m, or entries of a rotation] are equal. Proofs keep a reserve that is
-a hundred times as large (`yarclang.collision.proof.SLACK`).
+"""Poses that differ by less than this [m, or entries of a rotation] count as equal. Proofs keep a reserve
+that is a hundred times as large (`yarclang.collision.proof.SLACK`).
 """
 
 

@@ -28,8 +28,8 @@ the text of a program are rounded.
 
 @lru_cache(maxsize=64)
 def presently(cell: Cell, present: Present) -> Cell:
-    """Return a cell with its workpieces as bodies at their current places. Equal states give the same
-    object.
+    """Return a cell with its workpieces as bodies at their current places. Equal states give the same object,
+    since other results are cached by the identity of the cell.
     """
     return replace(cell, present=present)
 

@@ -17,9 +17,12 @@ MOST_TURN = 0.5 * DEG
 
 @frozen
 class Nearest:
-    """The workpiece nearest to a gripper that closes, and the distance of its surface from the gripper's
-    origin [m]; 0 if the origin is inside the workpiece. For a tool, it is the distance of the flange from the
-    tool's place.
+    """The workpiece nearest to a gripper that closes, with its distance.
+
+    Attributes:
+        item: the workpiece or tool.
+        distance: distance of the workpiece's surface from the gripper's origin [m], 0 if the origin is
+            inside; for a tool, the distance of the flange from the tool's place in the rack.
     """
 
     item: Item
@@ -52,7 +55,9 @@ def nearest_tool(parts: Parts, base_from_flange: Array) -> Nearest | None:
 
 
 def locked(parts: Parts, lock: str, base_from_flange: Array) -> Parts:
-    """Lock a tool changer at a flange pose (4, 4): it takes the tool whose place is there."""
+    """Lock a tool changer at a flange pose (4, 4): the changer picks up the tool whose place in the rack
+    is at this pose.
+    """
     items = tuple(
         replace(one, pose=one.part.rack.flange_from_body.tobytes(), gripper=lock)
         if one.part.rack is not None and not parts.held(lock) and _stands_there(one, base_from_flange)
@@ -64,14 +69,14 @@ def locked(parts: Parts, lock: str, base_from_flange: Array) -> Parts:
 
 def _stands_there(item: Item, base_from_flange: Array) -> bool:
     rack = item.part.rack
-    assert rack is not None  # looked at by the caller
+    assert rack is not None  # the caller has checked it
     stands = item.gripper is None and item.pose == rack.base_from_body.tobytes()
     return stands and is_in_place(rack, base_from_flange)
 
 
 def unlocked(parts: Parts, lock: str, base_from_flange: Array) -> Parts:
     """Unlock a tool changer at a flange pose (4, 4). If the flange is at the tool's place, the tool is put
-    exactly there. Otherwise the tool, and everything that its grippers hold, stays where it is.
+    into exactly this place. Otherwise the tool, and everything that its grippers hold, stays where it is.
     """
     left = [one for one in parts.held(lock) if one.part.rack is not None]
     if not left:

@@ -29,10 +29,13 @@ from yarclang.hir import (
 
 @frozen
 class Lead:
-    """A SET of a gripper at the start or end of straight motions, seen from one of these motions.
+    """A SET of a gripper that a motion approaches or leaves, directly or with other straight motions in
+    between.
 
-    `to` is the step of the SET. `between` are the motions next to this motion on the side of the SET (several
-    with branches); empty if this motion may begin or end at the SET itself.
+    Attributes:
+        to: the step of the SET.
+        between: the steps of the motions that come next on the way to the SET, one for each branch; empty if
+            the motion itself begins or ends at the SET on some branch.
     """
 
     to: int
@@ -41,13 +44,18 @@ class Lead:
 
 @frozen(eq=False)
 class Runs:
-    """For each motion, by its step: the SETs of grippers that the motion approaches (`towards`), and the SETs
-    that it leaves (`away`).
+    """The SETs of grippers that each motion approaches and leaves.
 
-    There are several SETs if branches of a WHEN come from different SETs or lead to different ones. A motion
-    isn't in `away` if on one of the branches it leaves no SET; the same applies to `towards`. `leaves` has,
-    for a motion, the SETs that it leaves on all branches that come from them: the next workpieces don't come
-    yet to the places of the workpieces that these SETs took.
+    A motion has several SETs if branches of a WHEN come from different SETs or lead to different SETs.
+
+    Attributes:
+        towards: by the step of a motion, the SETs that the motion approaches; missing if it approaches none
+            on one of its branches.
+        away: by the step of a motion, the SETs that the motion leaves; missing if it leaves none on one of
+            its branches.
+        leaves: by the step of a motion, the SETs from which the robot is still departing, on every branch
+            that comes from the SET. Until it has departed, the places of the workpieces that these SETs took
+            stay empty: the next workpieces come later.
     """
 
     towards: Mapping[int, tuple[Lead, ...]]
@@ -58,8 +66,8 @@ class Runs:
 NO_RUNS = Runs({}, {}, {})
 
 BEFORE = -1
-"""Number that represents the SETs in lines of a session before a program. SETs in lines after the program
-have the number of the program's steps.
+"""Step number of all SETs in lines of a session before a program. SETs in lines after the program have the
+number of steps of the program as their step number.
 """
 
 
@@ -100,9 +108,10 @@ def _runs_of(
 class _Way:
     """A control-flow path on which a step is reached.
 
-    `set` is the last SET of a gripper on this path, None if there is none. `motion` is the last motion since
-    the SET, None if there was no motion yet. `left` is True if the robot has left the straight motions that
-    belong to the SET.
+    Attributes:
+        set: the last SET of a gripper on this path; None if there is none.
+        motion: the last motion since the SET; None if there was no motion yet.
+        left: True if the straight motions that belong to the SET are over.
     """
 
     set: int | None = None
@@ -141,8 +150,8 @@ def _along(
             else:
                 now |= before if other is None else other
         elif isinstance(step, Finish):
-            # forwards, no step follows on this path; backwards, nothing precedes but what comes after the
-            # last step
+            # in a forward search, no step follows on this path; in a backward search, the path begins after
+            # the program
             now = frozenset() if numbers.step > 0 else behind
         elif isinstance(step, Stop | Gap | Loop | NextPass | Exit | EndLoop):
             # straight motions don't continue from one pass of a loop to the next, or out of the loop
@@ -182,14 +191,14 @@ def _does(step: Step, closing: Mapping[str, float]) -> tuple[str, bool]:
 
 
 def _leads(found: Mapping[int, frozenset[_Way]]) -> dict[int, tuple[Lead, ...]]:
-    """Return the SETs of each motion that belongs to a SET on all control-flow paths."""
+    """Return the SETs that each motion approaches or leaves on all paths, by the motion's step."""
     leads: dict[int, tuple[Lead, ...]] = {}
     for at, ways in found.items():
         if any(one.left or one.set is None for one in ways):
             continue
         between: dict[int, set[int | None]] = {}
         for one in ways:
-            assert one.set is not None  # looked at above
+            assert one.set is not None  # checked above
             between.setdefault(one.set, set()).add(one.motion)
         leads[at] = tuple(
             Lead(number, () if None in motions else tuple(sorted(one for one in motions if one is not None)))

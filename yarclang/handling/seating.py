@@ -18,14 +18,14 @@ from yarclang.handling.surroundings import surroundings
 from yarclang.robot.model import Array, Robot
 
 DEEP = 5e-3
-"""Depth of a vacuum gripper's cup in the part that it takes [m] above which a mistake is reported. A gripper
-without a vacuum sensor may be deeper by half of the part's thickness.
+"""Largest depth to which the cup of a vacuum gripper may enter the part that it takes [m]. More is reported
+as a likely mistake. A gripper without a vacuum sensor may be deeper by half of the part's thickness.
 """
 
 
 def first_of(grasp: Grasp) -> tuple[Item, ...]:
-    """Return the workpieces that a gripper takes from their initial places in the cell; of each kind only the
-    first one.
+    """Return the workpieces that a gripper picks up from their initial places in the cell; of each kind only
+    the first workpiece.
     """
     return tuple(
         one
@@ -100,7 +100,7 @@ def _half_thickness(item: Item) -> float:
     """
     try:
         return float(geometry_of(item.part.body.shape).half.min())
-    except UnreadableError:  # reported with the collisions
+    except UnreadableError:  # the collision check reports the mesh
         return np.inf
 
 

@@ -23,13 +23,13 @@ from yarclang.source import SourceFile
 from yarclang.transforms import constant
 
 PRESSED = 5e-4
-"""Distance [m] by which bodies that touch while a part is taken or put down may come nearer during the
-approach and the retreat.
+"""Distance [m] by which two bodies may be closer to each other during the approach and the retreat than at
+the moment when the part is taken or put down.
 """
 INTO = 1e-3
 """Depth to which a part may be put into a body that carries it [m], since drawings aren't exact."""
 NEAR = 0.02
-"""Distance [m] that is added to the margin: bodies farther from a part don't carry it."""
+"""Bodies don't carry a part if their distance from it exceeds the margin by more than this length [m]."""
 
 
 NO_PAIRS: frozenset[tuple[str, str]] = frozenset()
@@ -42,8 +42,8 @@ def surroundings(
     allowed: frozenset[tuple[str, str]] = NO_PAIRS,
     keeps: tuple[Keep, ...] = (),
 ) -> Cell | None:
-    """Return the cell with its workpieces as bodies at their current places. Equal arguments give the same
-    object.
+    """Return the cell with its workpieces as bodies at their current places. Calls with equal arguments
+    return the same object.
 
     Args:
         cell: cell as in its file.
@@ -70,8 +70,8 @@ def _without_cell(allowed: frozenset[tuple[str, str]], keeps: tuple[Keep, ...]) 
 
 @lru_cache(maxsize=64)
 def without_parts(cell: Cell) -> Cell:
-    """Return a cell without its workpieces, for use when their places aren't known. Equal cells give the same
-    object.
+    """Return a cell without its workpieces, for use when their places aren't known. Calls with equal
+    cells return the same object.
     """
     return replace(cell, parts=()) if cell.parts else cell
 
@@ -98,8 +98,8 @@ def _surroundings(
 
 @lru_cache(maxsize=4096)
 def bodies_of(item: Item) -> tuple[Obstacle, ...]:
-    """Return the bodies of a workpiece or tool at its current place. The first body of a tool gets the tool's
-    whole mass.
+    """Return the bodies of a workpiece or tool at its current place. The whole mass of a tool is assigned to
+    its first body.
     """
     body, held = item.part.body, item.gripper is not None
     first, *more = item.solids
@@ -112,7 +112,8 @@ def bodies_of(item: Item) -> tuple[Obstacle, ...]:
 
 @lru_cache(maxsize=1024)
 def supports(robot: Robot, cell: Cell, carried: Parts, gripper: str, flange: bytes) -> tuple[Touch, ...]:
-    """Find the bodies on which the workpieces in a gripper rest where it takes them or puts them down.
+    """Find the bodies on which the workpieces of a gripper rest when the gripper takes them or puts them
+    down.
 
     Args:
         robot: robot in the cell.
@@ -161,7 +162,8 @@ def on_all_ways(ways: Iterable[tuple[Touch, ...]]) -> tuple[Touch, ...]:
 
 
 def hand_is_clear(robot: Robot, cell: Cell, parts: Parts, names: tuple[str, ...], q: Array) -> bool:
-    """Return True if everything on the flange keeps its distance from some workpieces that lie in the cell.
+    """Return True if everything on the flange keeps its distance from the given workpieces, which lie in the
+    cell.
 
     Args:
         robot: robot in the cell.
@@ -217,7 +219,7 @@ of all combinations are computed.
 
 def _loaded(robot: Robot, dynamics: Dynamics, body: Obstacle) -> Dynamics:
     placed = robot.chain.base_from_flange @ body.mount.transform
-    assert body.mass is not None  # only such bodies are loads
+    assert body.mass is not None  # only bodies with a mass are loads
     if body.weight is None:
         center, squares = _solid(body.shape)
         inertia = np.diag(body.mass * squares)
@@ -246,7 +248,7 @@ def _solid(shape: Shape) -> tuple[Array, Array]:
             return center, _of_cylinder(radius, length + 2.0 * radius)
     try:
         geometry = geometry_of(shape)
-    except UnreadableError:  # reported with the collisions
+    except UnreadableError:  # the collision check reports the mesh
         return center, center
     return geometry.middle, _of_box(2.0 * geometry.half)
 

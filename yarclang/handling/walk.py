@@ -43,7 +43,12 @@ from yarclang.ways import Turn, Ways
 class Handling:
     """The grippers and workpieces of a cell, and the steps of a program that uses them.
 
-    `allowances` are the bodies that may touch during its motions because the program or the cell allows it.
+    Attributes:
+        robot: the robot.
+        cell: the cell around the robot, or None.
+        steps: the program's steps.
+        runs: the motions by which the robot approaches and leaves workpieces.
+        allowances: the bodies that may touch during the motions because the program or the cell allows it.
     """
 
     robot: Robot
@@ -154,8 +159,8 @@ class Handling:
         Args:
             step: the motion's step.
             grasps: function that returns the grasp of a SET by its step; None if it isn't known.
-            clear: pairs of SET and motion, by their steps, for which the gripper isn't at the workpiece yet,
-                or is no longer there. In these motions it must not touch the workpiece.
+            clear: pairs of SET and motion, by their steps. The gripper is away from the workpiece during
+                these motions, and must not touch it.
             coming: grasps that the next lines of the session may make.
         """
 
@@ -182,8 +187,8 @@ class Handling:
         return () if present is None else present.leaving
 
     def leaving(self, grasp: Grasp) -> Leaving:
-        """Return what a gripper has taken or put down in a grasp, with the bodies that may touch until it
-        has moved away.
+        """Return the workpieces that a grasp has taken or put down, with the bodies that may touch until the
+        gripper has moved away.
         """
         return Leaving(grasp.moved, grasp.closes, self._touches(grasp, leads_in=False))
 
@@ -216,11 +221,10 @@ class Handling:
         ends: Callable[[int], Array | None],
         before: Mapping[int, Parts],
     ) -> set[tuple[int, int]]:
-        """Find the straight motions to or from a SET during which the gripper isn't at its workpiece yet, or
-        is no longer there.
+        """Find the straight motions to or from a SET during which the gripper is away from its workpiece.
 
-        Counted from the SET, these are all motions beyond the first motion end at which the gripper is clear
-        of the workpiece.
+        Search from the SET outwards for the nearest motion end at which the gripper is clear of the
+        workpiece. The motions beyond that end are returned.
 
         Args:
             grasp: what the SET does.
@@ -237,8 +241,8 @@ class Handling:
     def clear_of_left(
         self, ends: Callable[[int], Array | None], before: Mapping[int, Parts]
     ) -> set[tuple[int, int]]:
-        """Find motions like `clear_of`, for the workpieces next to which the robot is when the program
-        starts.
+        """Find motions as `clear_of` does, but those by which the robot leaves workpieces that a gripper has
+        put down just before the program starts.
         """
         found = (self._beyond(BEFORE, False, one.moved, ends, before) for one in self._left if not one.closes)
         return set().union(*found)
@@ -255,8 +259,8 @@ class Handling:
         found: set[tuple[int, int]] = set()
 
         def is_clear(step: int) -> bool:
-            """Return True if the gripper is clear of the workpiece at that end of a motion that is farther
-            from the SET.
+            """Return True if the gripper is clear of the workpiece at the start of a motion to the SET, or at
+            the end of a motion from the SET.
             """
             q = leave(step)
             if (number, step) in found:
@@ -273,7 +277,7 @@ class Handling:
 
     def _touches(self, grasp: Grasp, *, leads_in: bool) -> tuple[Touch, ...]:
         if grasp.closes == leads_in:
-            # the part lies there, and the gripper encloses it
+            # the bodies on the flange may touch the part, since the gripper encloses it at the SET
             return tuple(Touch(name, None, -np.inf) for name in grasp.moved)
         # if a part overlaps a body deeply when it is taken, the body doesn't carry the part: the two collide
         carry = (one for one in self.supports(grasp) if not grasp.closes or one.least >= -INTO)
@@ -312,7 +316,8 @@ class Handling:
         Args:
             parts: where the workpieces are.
             touches: the bodies that may touch where a workpiece is taken or put down.
-            step: step of the motion whose allowed contacts and path constraints (KEEP) apply; None for none.
+            step: the motion's step, for its allowed contacts and path constraints (KEEP); None outside of
+                motions.
         """
         own = () if step is None else self.allowances.get(step, ())
         pairs = frozenset(one.pair for one in own) if own else NO_PAIRS
@@ -332,11 +337,11 @@ class Followed:
         removed: the names of the workpieces that machines remove, by the step of the SET.
         end: where the workpieces are at the end.
         cells: the cell during each motion, by its step.
-        unlike: a workpiece that isn't at the same place after a loop's first pass as before it, by the step
-            at which the loop would begin again.
+        unlike: a workpiece whose place after a loop's first pass differs from its place before the pass, by
+            the step at which the loop would begin again.
         parted: ends of branches that leave different tools on the flange, by the step.
-        tools: the tools that are on the flange after each TOOL, by its step, if the robot's position is known
-            there.
+        tools: the tools that are on the flange after each TOOL, by the step of the TOOL, if the robot's
+            position is known at this step.
     """
 
     before: Mapping[int, Parts]

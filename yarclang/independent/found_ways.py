@@ -18,8 +18,8 @@ def unfolded(
     """Return the requirements on the motions of a text, after the compiler has found paths around obstacles.
 
     A line that avoids an obstacle becomes several lines, one per step of the text; a joint motion that avoids
-    one becomes a joint spline through way-points. The program fixes only where such a path ends, so its
-    intermediate poses and way-points are taken from `chosen`.
+    one becomes a joint spline through waypoints. The program fixes only where such a path ends, so its
+    intermediate poses and waypoints are taken from `chosen`.
 
     Args:
         arm: the arm.

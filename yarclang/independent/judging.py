@@ -27,8 +27,8 @@ class Judgement:
 
     Attributes:
         faults: deviations of the executed motion from the program, as sentences.
-        worst: the largest used share of what is allowed, by name: `path` and `table` are shares of the
-            tolerance; `position`, `velocity`, `acceleration`, `jerk` and `motor` are shares of the limits.
+        worst: by name, the largest used fraction of a tolerance (`path` and `table`) or of a limit
+            (`position`, `velocity`, `acceleration`, `jerk` and `motor`).
         duration: time of all motions [s].
     """
 
@@ -74,7 +74,8 @@ def judge(
         following = said[steps[place + 1]] if place + 1 < len(steps) else None
         goals = goals_from(arm, one, corner)
         ends = chosen[step] / arm.si
-        # Number of overlapping segments. None: the robot rests; 0: the corner must not be left.
+        # Number of segments in which the motion overlaps with the next one. None: the robot rests at the
+        # corner between them. 0: both paths are followed up to the corner.
         flows_on = flowing.get(step)
         label = f"step {step} {one.kind}"
         lasts += done.duration
@@ -137,7 +138,7 @@ def judge(
 
 
 def _count(worst: dict[str, float], what: str, value: float) -> None:
-    """Keep the largest value under a name."""
+    """Store a value under a name in `worst`, unless a larger value is already stored under it."""
     worst[what] = max(worst.get(what, 0.0), float(value))
 
 
@@ -156,10 +157,10 @@ def _off_table(arm: Arm, one: Said, done: Executed, corner: Array, worst: dict[s
 
 
 def _beside(segments: int | None, one: Said) -> int | None:
-    """Return the number of samples near a corner between two motions that may be on the path of either
-    motion; None if the corner need not be passed.
+    """Return the number of samples next to a corner between two motions that may be on the path of either
+    motion. They cover the overlap of the motions and one segment beside it.
 
-    A corner that must be passed is passed within the overlap of the motions or the segment beside it.
+    None if the robot rests at the corner, or if BLEND lets it leave the corner aside.
 
     Args:
         segments: number of overlapping segments of the motions; None if the robot rests at the corner.
@@ -185,16 +186,16 @@ def _not_solutions(arm: Arm, goals: list[Any], ends: Array) -> Iterator[str]:
 
 
 _PRINTED = {"velocity": 2e-4, "motor": 2e-4, "acceleration": 1e-3, "jerk": 1e-2}
-"""Amounts by which rounding of the printed decimals may exceed the share of a limit that a motion may use.
-The limit itself must never be exceeded.
+"""Amounts by which a motion may exceed its allowed fraction of a limit, since the printed decimals are
+rounded. The limit itself must never be exceeded.
 """
 
 
 def _beyond(arm: Arm, done: Executed, beside: list[Said], worst: dict[str, float]) -> Iterator[str]:
     """Yield a fault for each kind of limit that is exceeded at any sample of a motion.
 
-    A program may allow a motion only a share of the limits. Where motions overlap, the largest share of the
-    motions `beside` is allowed.
+    A program may allow a motion only a fraction of the limits. Where motions overlap, the largest fraction
+    that any motion in `beside` may use is allowed.
     """
     share = max(other.share for other in beside)
     ramp = max(other.share * other.acc for other in beside)
@@ -211,7 +212,7 @@ def _beyond(arm: Arm, done: Executed, beside: list[Said], worst: dict[str, float
 
 def _ball(arm: Arm, one: Said, following: Said, corner: Array) -> Callable[[Array], Array]:
     """Return a function that computes the distances of joint positions from a corner between two motions, as
-    shares of the distance that BLEND allows.
+    fractions of the distance that BLEND allows.
     """
     blend = one.blend or 0.0
     if one.in_joints and following.in_joints:

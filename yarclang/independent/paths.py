@@ -23,7 +23,7 @@ DENSE, SHORT = 3000, 10.0
 """Number of points of a polyline, and length [mm] below which a path gets only a tenth of them."""
 
 TURN_CHORD = 100.0
-"""Length [mm] in a spline's chord parameter that corresponds to a turn of 1 rad."""
+"""Length that a rotation by 1 rad adds to the chord parameter of a spline [mm]."""
 
 
 @dataclass
@@ -31,8 +31,8 @@ class Said:
     """The requirements of a program on a motion.
 
     `kind` is joints, joint_spline, timed, line, arc or pose_spline. `goals` are joint positions [deg, mm] or
-    poses, each a position [mm] and a Rotation. If `relative` is True, they are increments, which `goals_from`
-    adds to the start.
+    poses, each a position [mm] and a Rotation. If `relative` is True, the goals are increments, which
+    `goals_from` adds to the start.
     """
 
     kind: str
@@ -74,7 +74,7 @@ class Said:
 
     @property
     def share(self) -> float:
-        """Return the share of the limits that the motion may use."""
+        """Return the fraction of the limits that the motion may use."""
         return float(self.time[1:-2]) / 100.0 if "%" in self.time else 1.0
 
 
@@ -134,7 +134,7 @@ def nearest(samples: Array, polyline: Array) -> Array:
 
 
 def off(arm: Arm, said: Said, samples: Array, polyline: Array) -> Array:
-    """Return the distances of samples (N, n) from a path, as shares of the tolerance (N,)."""
+    """Return the distances of samples (N, n) from a path, as fractions of the tolerance (N,)."""
     tolerance = arm.data["tolerance"]
     if said.in_joints:
         each = np.where(arm.slides, tolerance["position"], tolerance["angle"])

@@ -83,7 +83,7 @@ def _axes(line: str) -> Array:
 
 
 def shares(arm: Arm, executed: Executed) -> dict[str, float]:
-    """Return the largest used share of each limit during an executed command."""
+    """Return the largest fraction of each limit that an executed command uses."""
     q, v, a, j = (executed.sample(order) for order in range(4))
     span = (arm.upper - arm.lower) / 2
     return {
@@ -125,7 +125,7 @@ def off_joint_line(executed: Executed, goal: Array) -> float:
 
 
 def off_spline(executed: Executed, waypoints: list[Array]) -> float:
-    """Return the largest distance of any joint from the natural spline through the start and way-points
+    """Return the largest distance of any joint from the natural spline through the start and waypoints
     [deg].
     """
     q = executed.sample()

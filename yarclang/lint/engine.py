@@ -68,7 +68,7 @@ def findings_of(
         for one in each(said.get(rule, ())):
             source = one.source or own
             if source.name != own.name:
-                continue  # a module gets its findings when it is checked itself
+                continue  # findings of a module are reported when the module itself is checked
             if not rule.explains_errors and (source.name, one.span.line) in failed:
                 continue
             diagnostics.append(_finding(rule, one, source))

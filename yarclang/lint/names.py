@@ -1,4 +1,4 @@
-"""Collect the names that a file declares and the names that it uses. Names of frames are separate."""
+"""Collect the names that a file declares and the names that it uses. Frames have a namespace of their own."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Declared:
     """A declaration in a file.
 
     Attributes:
-        word: word of the language that declares; FRAME for both kinds of frames.
+        word: first word of the declaration, such as LET; FRAME for FRAME_QUAT as well.
         name: the declared name in upper case.
         statement: the line.
         span: place of the name.
@@ -49,7 +49,8 @@ class Names:
         declared: declarations, in order.
         words: used names of everything but frames, in upper case.
         frames: used names of frames, in upper case.
-        is_program: True if there is a command outside of SUBs. The names of a module are for other files.
+        is_program: True if there is a command outside of SUBs. Otherwise the file is a module, and other
+            files may use its names.
     """
 
     declared: list[Declared] = field(default_factory=list)
@@ -58,8 +59,8 @@ class Names:
     is_program: bool = False
 
     def unused(self, *words: str) -> Iterator[Declared]:
-        """Yield the declarations with some words (such as LET) whose name the file doesn't use; none in a
-        module.
+        """Yield the declarations that begin with one of some words (such as LET), and whose names the file
+        doesn't use. Yield none for a module, since other files may use its names.
         """
         if not self.is_program:
             return

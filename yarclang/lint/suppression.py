@@ -25,12 +25,14 @@ _WORD = re.compile(r"[^\s,\[\]]+")
 _BEGINNING = re.compile(r"[Yy]\d{0,3}")
 
 _MOST_HELPED = 20
-"""Largest number of wrong words in a comment that get a help. Further findings on one line aren't shown."""
+"""Largest number of wrong words in one comment for which the finding has a help. Each further wrong word gets
+a finding without help, because no more findings on one line are shown.
+"""
 
 
 @frozen
 class Suppression:
-    """One code of a finding in a comment that suppresses findings.
+    """The code of one finding in a comment that suppresses findings.
 
     Attributes:
         code: the code.
@@ -83,17 +85,13 @@ def suppress(
             kept.append(finding)
     for suppression in each(suppressions) if is_whole else ():
         if suppression not in used and suppression.line not in unjudged:
-            message = (
-                f"line {suppression.line} has no finding {suppression.code}: the comment suppresses nothing"
-            )
-            said.append(
-                Diagnostic("Y1701", message, source, suppression.span, "take it away", suppression.fix)
-            )
+            message = f"the comment has no effect: line {suppression.line} has no finding {suppression.code}"
+            said.append(Diagnostic("Y1701", message, source, suppression.span, "remove it", suppression.fix))
     return (*kept, *said)
 
 
 def _without_those_of_modules(source: SourceFile, found: tuple[Diagnostic, ...]) -> tuple[Diagnostic, ...]:
-    """Return the findings except those in modules that a comment in the module suppresses."""
+    """Return the findings without those that are in a module and that a comment in the module suppresses."""
     read: dict[str, set[tuple[str, int]]] = {}
 
     def is_suppressed(one: Diagnostic) -> bool:
@@ -111,7 +109,7 @@ def _without_those_of_modules(source: SourceFile, found: tuple[Diagnostic, ...])
 def _speaking_of(
     finding: Diagnostic, source: SourceFile, by_line: Mapping[tuple[str, int], list[Suppression]]
 ) -> list[Suppression]:
-    """Return the suppressing comments for a finding's code at its lines."""
+    """Return the suppressions of a finding's code in the lines of the finding."""
     span = finding.span
     if finding.source is None or span is None or finding.source.name != source.name:
         return []
@@ -137,7 +135,7 @@ def _read(source: SourceFile) -> tuple[list[Diagnostic], list[Suppression]]:
         if not words or not match[1].endswith("]"):
             help_ = "write ! yarc: ignore[Y0505], with the codes of the findings"
             said.append(
-                Diagnostic("Y1702", "this comment doesn't say what it suppresses", source, whole, help_)
+                Diagnostic("Y1702", "this comment names no finding to suppress", source, whole, help_)
             )
             continue
         whole_fix = _without(source, number, match)
@@ -161,20 +159,20 @@ def _code(word: str) -> tuple[str, str]:
     """
     codes = _codes(word)
     if not codes:
-        return "", f"no finding is called {word}"
+        return "", f"there is no finding {word}"
     if everything()[codes[0]].severity == "error":
         return "", f"{codes[0]} is an error, and errors can't be suppressed"
     return codes[0], ""
 
 
 def _help(word: str) -> tuple[str, Name | None]:
-    """Return the help about a word in a comment that selects no finding that can be suppressed, and the word
-    itself if it is unknown.
+    """Return the help about a wrong word in a suppressing comment, and the word itself if no finding has this
+    name or code.
     """
     if _codes(word):
-        return "yarc explain says what to do about it", None
+        return f"`yarc explain {_codes(word)[0]}` gives the remedy", None
     subject = subjects.unknown(word, everything())
-    return subject.question or "yarc explain lists all codes", subject
+    return subject.question or "`yarc explain` lists all codes", subject
 
 
 def _codes(word: str) -> tuple[str, ...]:
@@ -206,11 +204,11 @@ def _without(source: SourceFile, number: int, found: re.Match[str]) -> Fix:
     rest = line[found.end() :].strip()
     if rest:  # keep the rest of the comment, which is for people
         span = Span.on_line(number, found.start() + 1, len(line) + 1)
-        return Fix("take the suppression away", (Edit(span, f"! {rest.lstrip('!').lstrip()}"),))
+        return Fix("remove the suppression", (Edit(span, f"! {rest.lstrip('!').lstrip()}"),))
     begin = len(line[: found.start()].rstrip())
     if not line[:begin].strip():
-        return Fix("take the comment away", (Edit(Span(number, 1, number + 1, 1), ""),))
-    return Fix("take the comment away", (Edit(Span.on_line(number, begin + 1, len(line) + 1), ""),))
+        return Fix("remove the comment", (Edit(Span(number, 1, number + 1, 1), ""),))
+    return Fix("remove the comment", (Edit(Span.on_line(number, begin + 1, len(line) + 1), ""),))
 
 
 def _fewer(number: int, words: list[re.Match[str]], at: int) -> Fix:
@@ -225,4 +223,4 @@ def _fewer(number: int, words: list[re.Match[str]], at: int) -> Fix:
     begin, end = (
         (word.start(), words[at + 1].start()) if at + 1 < len(words) else (words[at - 1].end(), word.end())
     )
-    return Fix(f"take {word[0]} away", (Edit(Span.on_line(number, begin + 1, end + 1), ""),))
+    return Fix(f"remove {word[0]}", (Edit(Span.on_line(number, begin + 1, end + 1), ""),))

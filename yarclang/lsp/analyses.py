@@ -2,9 +2,9 @@
 changes.
 
 Each version of a text is checked twice: first without planning, then completely. The second check reports the
-results of planning before it proves them. Each of the two checks has a thread of its own, so that the first
-check of a text doesn't wait until motions of another text are planned. Requests are answered with the results
-so far.
+findings of planning before it proves the motions. Each of the two checks has a thread of its own, so that the
+first check of a text doesn't wait until motions of another text are planned. Requests are answered with the
+results so far.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from yarclang.lsp.documents import Document
 from yarclang.pipeline.checking import Checked
 
 _SHOWN_BY = 0.1
-"""Longest time that a proof is delayed until the findings so far are shown [s]."""
+"""Longest wait before a proof begins, in which the findings so far can be shown [s]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -98,13 +98,14 @@ class Analyses:
         self._touched: list[str] = []
         """The texts that wait for a check. The text that was changed last is at the end."""
         self._unread: set[str] = set()
-        """The waiting texts that haven't even been checked without planning."""
+        """Those of the waiting texts whose first check, without planning, hasn't begun yet."""
         self._checking = ThreadPoolExecutor(1, thread_name_prefix="checking")
         self._planning = ThreadPoolExecutor(1, thread_name_prefix="planning")
         self._reading = ThreadPoolExecutor(1, thread_name_prefix="reading")
         self._tasks: set[asyncio.Task[None]] = set()
         self._running: set[bool] = set()
-        """The checks that are running: False without planning, True with planning."""
+        """The kinds of checks that are running: False for checks without planning, True for complete checks.
+        """
 
     def put(self, document: Document) -> None:
         """Check a text that was opened or changed."""
@@ -114,7 +115,7 @@ class Analyses:
         desk.document = document
         self.again(document.uri)
         task = asyncio.ensure_future(self._read(desk))
-        self._tasks.add(task)  # the loop holds no reference to a task
+        self._tasks.add(task)  # the event loop holds only a weak reference to a task
         task.add_done_callback(self._tasks.discard)
 
     def again(self, uri: str) -> None:
@@ -187,7 +188,7 @@ class Analyses:
             patience: longest time to wait [s].
 
         Returns:
-            The results; after `patience` as for `whole`.
+            The results; after `patience`, the results so far. None if the text was closed.
         """
         desk = self._desks.get(uri)
         if desk is None:

@@ -15,7 +15,7 @@ from yarclang.source import SourceFile, Span
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Planned:
-    """Findings that were missing in the check without planning.
+    """Findings that only a later, more complete check reports.
 
     Attributes:
         source: the text that they are about.
@@ -27,7 +27,13 @@ class Planned:
 
 
 def planned_alone(source: SourceFile, whole: Iterable[Diagnostic], quick: Iterable[Diagnostic]) -> Planned:
-    """Return the findings of a text that a check without planning doesn't report."""
+    """Return the findings of a text that only a later, more complete check reports.
+
+    Args:
+        source: the text.
+        whole: findings of the later check.
+        quick: findings of the earlier check.
+    """
     known = {_key(one) for one in quick}
     own = (one for one in whole if one.source is not None and one.source.name == source.name)
     return Planned(source, tuple(one for one in own if _key(one) not in known))

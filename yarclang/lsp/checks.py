@@ -23,13 +23,13 @@ from yarclang.source import SourceFile
 from yarclang.syntax.parse import parse
 
 _LONG = 2_000
-"""Number of lines above which a program is long. A shorter program is checked nearly as soon as it is
-parsed.
+"""Smallest number of lines of a program whose syntax errors are reported before its first check. A shorter
+program is checked nearly as soon as it is parsed.
 """
 
 
 class Checks:
-    """Checks texts with common options."""
+    """Checks open texts, all of them with the same options."""
 
     def __init__(self, options: Options) -> None:
         self._options = options
@@ -51,13 +51,13 @@ class Checks:
             document: the text.
             plans: True to plan and prove motions.
             begun: results of this text without planning, if they exist.
-            is_stale: function, called between motions, that returns True if nobody waits for the results any
-                more.
+            is_stale: function that returns True if nobody waits for the results any more. It is called
+                between motions.
             early: called with the results when all motions are planned, before they are proved.
 
         Returns:
-            None if the work was cancelled. Also None for the description of a cell, robot or project without
-            `plans`, since it is checked only once.
+            The results. None if the work was cancelled, or if `plans` is False and the text describes a cell,
+            robot or project: such a text is checked only once.
         """
         try:
             if document.is_program:
@@ -81,7 +81,7 @@ class Checks:
         return tuple(one for one in parse(document.source).diagnostics if one.family == SYNTAX)
 
     def of_text(self, source: SourceFile, folder: Path) -> Checked:
-        """Check a program that isn't open in the editor, completely."""
+        """Run all checks on a program that isn't open in the editor."""
         found = self._look(source, folder, quick=False)
         assert found is not None  # it can't be cancelled
         return found.checked
@@ -105,7 +105,7 @@ class Checks:
         """Check a text that isn't a program: the file of a cell (for the robot of its folder), of a robot or
         of a project.
 
-        A table of way-points has no findings of its own, because it is checked by the programs that name it.
+        A table of waypoints has no findings of its own, because it is checked by the programs that name it.
         """
         if document.is_table:
             return Checked(())

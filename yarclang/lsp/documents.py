@@ -44,12 +44,12 @@ class Document:
 
     @cached_property
     def folder(self) -> Path:
-        """Return the folder in which files that the text names are looked for."""
+        """Return the folder to which file names in the text are relative."""
         return self.path.parent if self.path else Path.cwd()
 
     @cached_property
     def source(self) -> SourceFile:
-        """Return the text under its file's name, without a byte order mark."""
+        """Return the text with the name of its file, without a byte order mark."""
         return SourceFile(str(self.path) if self.path else self.uri, self.text.removeprefix("\ufeff"))
 
     @cached_property
@@ -60,13 +60,13 @@ class Document:
     @property
     def is_program(self) -> bool:
         """Return True for a program or a module. Other texts describe a cell, robot or project, or are tables
-        of way-points.
+        of waypoints.
         """
         return not self.uri.lower().endswith((DESCRIPTION, TABLE))
 
     @property
     def is_table(self) -> bool:
-        """Return True for a table of way-points. Only a program that names the table can check it."""
+        """Return True for a table of waypoints. Only a program that names the table can check it."""
         return self.uri.lower().endswith(TABLE)
 
 

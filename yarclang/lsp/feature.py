@@ -12,7 +12,8 @@ class Feature:
     """A feature of the language server: some methods of the protocol, with the functions that answer them.
 
     Attributes:
-        methods: by method, the function of server and parameters that answers, and the announced options.
+        methods: for each method, the function that answers it, and the options that the server announces. The
+            function gets the server and the client's parameters.
         listens: function that is called with the server and each new analysis.
         commands: functions that the client may call by name.
     """

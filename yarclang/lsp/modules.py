@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 
 
 _MOST_FILES = 2_000
-"""Largest number of files that are read for one folder, and that are cached."""
+"""Largest number of files that are read for one folder of the workspace. The same number of files is cached.
+"""
 
 
 class Modules:
@@ -44,7 +45,9 @@ class Modules:
         return find
 
     def files(self, folder: Path, names: Iterable[str] = ()) -> Iterator[Sketch]:
-        """Yield the saved programs and modules of a folder, and other files by name, except the open ones."""
+        """Yield the programs and modules of a folder, and the files `names`, unless they are open in the
+        editor.
+        """
         open_ = self._open()
         for path in dict.fromkeys([*modules_in(folder), *map(Path, names)]):
             if path.absolute() not in open_ and (sketch := self._saved(path)) is not None:
@@ -91,7 +94,7 @@ class Modules:
 def _may_speak_of(user: Document, used: Document) -> bool:
     """Return True if the findings of a text may depend on another text.
 
-    The other text may be a module of the folder, a table of way-points that the text names, or any
+    The other text may be a module of the folder, a table of waypoints that the text names, or any
     description of a cell, robot or project.
     """
     if used.path is None:

@@ -1,4 +1,6 @@
-"""The language server: the texts that the client opens and changes, and the features that answer."""
+"""The language server: the texts that the client opens and changes, and the features that answer its
+requests.
+"""
 
 from __future__ import annotations
 
@@ -42,8 +44,8 @@ _LOG = logging.getLogger(__name__)
 
 
 class Protocol(LanguageServerProtocol):
-    """The Language Server Protocol without pygls's own store of texts, which splits lines at more characters
-    than the protocol does.
+    """The Language Server Protocol without pygls's own store of texts. That store would split lines at more
+    characters than the protocol does.
     """
 
     def _execute_handler(
@@ -136,7 +138,9 @@ class Server(LanguageServer):
         return str(self.server_capabilities.position_encoding or types.PositionEncodingKind.Utf16)
 
     def view(self, uri: str) -> View | None:
-        """Return the view of the newest version of an open text; None if the text isn't open."""
+        """Return the view (text and analysis) of the newest version of an open text; None if the text isn't
+        open.
+        """
         document = self.documents.get(uri)
         if document is None:
             return None
@@ -185,7 +189,7 @@ class Server(LanguageServer):
 
     def caller_of(self, item: types.CallHierarchyItem) -> tuple[Caller, list[View]] | None:
         """Return the SUB or file that an item of the client's call hierarchy stands for, and the views of the
-        files around it.
+        files in its folder.
         """
         path = to_fs_path(item.uri)
         beside = next((one.uri for one in self.documents.values() if one.is_program), None)
@@ -298,7 +302,8 @@ class Server(LanguageServer):
         for listener in self.listeners:
             listener(self, analysis)
         if analysis.is_whole:
-            self.view(analysis.document.uri)  # cached, for the time when an edit hides the plan
+            # Cache this view, so that its plan can be used while a newer version of the text has no plan yet.
+            self.view(analysis.document.uri)
 
     def shutdown(self) -> None:
         """Stop all work."""

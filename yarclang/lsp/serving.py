@@ -13,14 +13,16 @@ from yarclang.lsp.server import Server
 from yarclang.pipeline.inputs import Options
 
 _BEGIN = b"content-"
-"""Beginning of each message. The protocol begins with Content-Length or Content-Type, in any case."""
+"""Beginning of each message: the protocol requires Content-Length or Content-Type, in capital or small
+letters.
+"""
 
 _PATIENCE = 5.0
 """Longest time in which an editor must send its first message [s]."""
 
 SELDOM = (50_000, 20, 20)
-"""Thresholds of the garbage collector: the number of new objects, then the numbers of collections of the
-younger generations.
+"""Thresholds for `gc.set_threshold`. They are higher than Python's own, so that the garbage collector runs
+seldom.
 """
 
 
@@ -56,7 +58,7 @@ def _editor(host: str, port: int) -> socket.socket:
             wire, _ = listener.accept()
             if _begins_as_an_editor(wire):
                 return wire
-            logging.warning("somebody who isn't an editor has called, and was sent away")
+            logging.warning("a connection that isn't an editor was refused")
             wire.close()
 
 

@@ -92,8 +92,8 @@ def _made_on_line(
 
 
 _KEPT = 1024
-"""Smallest number of findings that the cache holds, at 1 to 2 kB each. For texts with more findings, it
-holds all.
+"""Capacity of the cache of findings; each takes 1 to 2 kB. For texts with more findings, the capacity grows
+to hold all of them.
 """
 
 _on_line = Lately(_made_on_line, _KEPT)

@@ -1,5 +1,5 @@
-"""Find out if points are inside a closed triangle mesh, by the triangles that a straight line from each point
-crosses.
+"""Decide if points are inside a closed triangle mesh, by counting the triangles that a straight line from
+each point crosses.
 """
 
 from __future__ import annotations
@@ -10,14 +10,18 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 _DIRECTIONS = 4
-"""Number of directions that are tried. If none of them decides, a point may be inside."""
+"""Number of directions that are tried for a point. If none gives a result, the point is neither certainly
+inside nor certainly outside.
+"""
 _UNSURE = 1e-9
-"""Distance, as a share of the size of the mesh, at which a line may have met the edge of a triangle."""
+"""Largest distance between a line and an edge of a triangle at which the line may meet the edge, as a share
+of the size of the mesh.
+"""
 
 
 class Columns:
     """A closed triangle mesh, with the directions of the lines by which points are tested. The directions are
-    fixed, and faces of machines hardly ever run along them.
+    fixed, and chosen so that a face of a machine is hardly ever parallel to one of them.
     """
 
     def __init__(self, triangles: Array) -> None:
@@ -69,8 +73,8 @@ def _turn(number: int) -> Array:
 
 
 def _crossings(triangles: Array, at: Array, slack: float) -> Array | None:
-    """Return 1 or -1 for each triangle that the upward line from a point crosses: the side from which the
-    line comes.
+    """Return an entry for each triangle that the upward line from a point crosses: 1 if the triangle's
+    corners are in counterclockwise order seen from above, otherwise -1.
 
     Return None if the line may meet an edge of a triangle, or if the point may be on a triangle.
 
@@ -88,8 +92,8 @@ def _crossings(triangles: Array, at: Array, slack: float) -> Array | None:
         turns.append(flat[:, one, 0] * flat[:, other, 1] - flat[:, one, 1] * flat[:, other, 0])
         reaches.append(np.hypot(along[:, 0], along[:, 1]) * slack)
     signs, unsure = np.array(turns), np.abs(turns) <= np.array(reaches)
-    # a triangle with one edge that the line certainly passes outside isn't crossed, even if other edges are
-    # unsure
+    # a triangle isn't crossed if the line certainly passes two of its edges on opposite sides, even if the
+    # third edge is unsure
     plus, minus = (signs > 0.0) & ~unsure, (signs < 0.0) & ~unsure
     hit = ~(plus.any(axis=0) & minus.any(axis=0))
     if (hit & unsure.any(axis=0)).any():

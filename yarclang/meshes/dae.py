@@ -66,7 +66,7 @@ class _Reading:
     """
 
     def __init__(self) -> None:
-        self.texts: dict[str, str] = {}  # numbers of corners, normals, colours, by the id of the <source>
+        self.texts: dict[str, str] = {}  # coordinates, normals, colours, by the id of the <source>
         self.strides: dict[str, int] = {}
         self.counts: dict[str, int] = {}
         self.positions: dict[str, str] = {}  # source of each <vertices>

@@ -17,7 +17,7 @@ from yarclang.meshes.voxels import TooMany
 Array = NDArray[np.float64]
 
 _KINDS = "fiu"
-"""Kinds of numbers of numpy that heights may have."""
+"""Kinds of numpy's number types that heights may have: floats and integers."""
 
 
 def heights_of(suffix: str, content: bytes) -> Array | str:
@@ -33,7 +33,7 @@ def heights_of(suffix: str, content: bytes) -> Array | str:
     found = (_of_numpy if suffix.lower() == ".npy" else _of_text)(content)
     if not isinstance(found, str) and min(found.shape) < 2:
         rows, columns = found.shape
-        return f"has {rows} x {columns} heights, and needs at least two rows and two columns"
+        return f"has {rows} x {columns} heights, but needs at least two rows and two columns"
     return found
 
 
@@ -46,18 +46,19 @@ def _of_numpy(content: bytes) -> Array | str:
             (2, 0): np.lib.format.read_array_header_2_0,
         }[version]
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # numpy parses damaged headers as Python
+            # numpy parses a damaged header as Python code, which may cause warnings
+            warnings.simplefilter("ignore")
             shape, by_columns, kind = read(file)
     except (ValueError, KeyError, EOFError, OSError, SyntaxError, TypeError, tokenize.TokenError):
         return "isn't a file of numpy's array format (.npy)"
     if len(shape) != 2 or min(shape) < 0:
-        return f"has an array of {len(shape)} dimensions, and heights have two: rows and columns"
+        return f"has an array of {len(shape)} dimensions instead of two (rows and columns)"
     if kind.kind not in _KINDS or kind.itemsize == 0:
         return "has values that aren't numbers"
     body = memoryview(content)[file.tell() :]
     if len(body) != shape[0] * shape[1] * kind.itemsize:
         return (
-            f"has {len(body):,} bytes of values, and its shape needs {shape[0] * shape[1] * kind.itemsize:,}"
+            f"has {len(body):,} bytes of values, but its shape needs {shape[0] * shape[1] * kind.itemsize:,}"
         )
     values = np.frombuffer(body, kind).reshape(shape, order="F" if by_columns else "C")
     return np.ascontiguousarray(values, dtype=np.float64)
@@ -76,7 +77,7 @@ def _of_text(content: bytes) -> Array | str:
     width = len(rows[0])
     for number, row in enumerate(rows):
         if len(row) != width:
-            return f"has {width} values in its first row, and {len(row)} in row {number + 1}"
+            return f"has {width} values in its first row, but {len(row)} in row {number + 1}"
     values = []
     for number, row in enumerate(rows):
         found = numbers(b" ".join(one.strip() or b"nan" for one in row))
@@ -97,9 +98,9 @@ def below(heights: Array, spacing: float, every: int, most: int) -> Array | TooM
 
     Args:
         heights: (rows, columns); NaN for unknown heights. At least one is finite.
-        spacing: distance of neighbours.
-        every: number of spacings of a cell of the mesh; each corner has the largest height of the cells
-            around it.
+        spacing: distance between neighbouring heights.
+        every: edge length of the mesh's cells, as a number of spacings. Each corner of the mesh has the
+            largest height of the cells around it.
         most: largest number of triangles.
     """
     from scipy.ndimage import maximum_filter

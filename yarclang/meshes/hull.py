@@ -12,15 +12,17 @@ _FLAT = 1e-6
 """Thickness, as a share of the size of a mesh, below which the mesh counts as flat and has no hull."""
 
 MOST_CORNERS = 50_000
-"""Largest number of corners of a hull. Larger hulls are replaced by the body between planes around them: coal
-fails for most of them, or is slow.
+"""Largest number of corners of a hull. A larger hull is replaced by a body with fewer corners, bounded by
+planes around the hull, since coal (the collision library) fails or is slow with most larger hulls.
 """
 
 _ROUNDED = 1e-9
 """Upper bound of the rounding in the extent of a body [m, or the mesh's unit]."""
 
 _DIRECTIONS = 1000
-"""Number of planes that cover a large hull. They make the body less than 1 % larger."""
+"""Number of planes that bound the body that replaces a large hull. This body is less than 1 % larger than the
+hull.
+"""
 
 _HEAD = """ply
 format binary_little_endian 1.0
@@ -46,7 +48,8 @@ def hull_file(suffix: str, content: bytes) -> bytes | None:
         content: the file.
 
     Returns:
-        The file; None for a flat mesh, for another format, and for a file that isn't read as arrays.
+        The file; None for a flat mesh, for another format, and for a file whose corners can't be read as an
+        array.
     """
     look = {".stl": stl_corners, ".obj": obj_corners}.get(suffix.lower())
     corners = look(content) if look is not None else None
@@ -78,8 +81,8 @@ def hull_file(suffix: str, content: bytes) -> bytes | None:
 
 
 def cover(corners: NDArray[np.float64], directions: int) -> NDArray[np.float64]:
-    """Return the corners (k, 3) of a convex body with few faces that encloses given corners; its faces touch
-    them.
+    """Return the corners (k, 3) of a convex body with few faces that encloses given corners. Each face
+    touches one of the given corners.
 
     Args:
         corners: (m, 3) the corners to enclose.

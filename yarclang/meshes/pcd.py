@@ -63,14 +63,14 @@ def _columns(text: str) -> tuple[list[tuple[str, str]], int]:
     sizes, kinds = said.get("SIZE", []), said.get("TYPE", [])
     counts = said.get("COUNT", ["1"] * len(names))
     if not names or not len(names) == len(sizes) == len(kinds) == len(counts):
-        raise _FaultError("has a header whose FIELDS, SIZE, TYPE and COUNT don't belong together")
+        raise _FaultError("has a header whose FIELDS, SIZE, TYPE and COUNT don't match")
     columns = []
     for name, size, kind, count in zip(names, sizes, kinds, counts, strict=True):
         if (kind, size) not in _KINDS or not re.fullmatch(r"[0-9]{1,3}", count):
-            raise _FaultError(f"has a field {name[:20]} of a type that no PCD file has")
+            raise _FaultError(f"has a field {name[:20]} of a type that PCD doesn't have")
         columns += [(name if count == "1" else "_", _KINDS[kind, size])] * int(count)
     if any([name for name, _ in columns].count(axis) != 1 for axis in "xyz") or len(columns) > _MOST_NUMBERS:
-        raise _FaultError("has points without one x, one y and one z")
+        raise _FaultError("has points without exactly one x, y and z")
     _stands_at_its_origin(said.get("VIEWPOINT"))
     number = "".join(said.get("POINTS", []))
     if not re.fullmatch(r"[0-9]{1,10}", number):
@@ -91,8 +91,8 @@ def _stands_at_its_origin(viewpoint: list[str] | None) -> None:
         pose = []
     if pose != _HERE:
         raise _FaultError(
-            "has a VIEWPOINT other than 0 0 0 1 0 0 0, from which some readers count its points and others "
-            "don't: save it with this one"
+            "has a VIEWPOINT other than 0 0 0 1 0 0 0, which readers interpret differently: save it with "
+            "0 0 0 1 0 0 0"
         )
 
 
@@ -100,12 +100,12 @@ def _text(body: bytes, columns: list[tuple[str, str]], count: int) -> NDArray[np
     words = body.split()
     if len(words) != count * len(columns):
         raise _FaultError(
-            f"has {len(words):,} numbers, and not the {count * len(columns):,} of {count:,} points"
+            f"has {len(words):,} numbers instead of the {count * len(columns):,} of {count:,} points"
         )
     try:
         rows = np.array(words).astype(np.float64).reshape(count, len(columns))
     except ValueError:
-        raise _FaultError("has a word that is no number") from None
+        raise _FaultError("has a word that isn't a number") from None
     names = [name for name, _ in columns]
     found: NDArray[np.float64] = rows[:, [names.index(axis) for axis in "xyz"]]
     return found
@@ -117,7 +117,7 @@ def _binary(body: memoryview, columns: list[tuple[str, str]], count: int) -> NDA
         raise _FaultError(cut_off(f"{len(body):,} bytes of points", f"{count * kind.itemsize:,}"))
     rows = np.frombuffer(body, kind, count) if count else np.zeros(0, kind)
     names = [name for name, _ in columns]
-    with np.errstate(invalid="ignore"):  # NaNs of any kind
+    with np.errstate(invalid="ignore"):  # signalling NaNs must not cause warnings
         return np.stack([rows[str(names.index(axis))].astype(np.float64) for axis in "xyz"], axis=1)
 
 
@@ -131,7 +131,7 @@ def _compressed(body: memoryview, columns: list[tuple[str, str]], count: int) ->
     widths = [np.dtype(kind).itemsize for _, kind in columns]
     if size != count * sum(widths):
         raise _FaultError(
-            f"has points of {size:,} bytes, and not the {count * sum(widths):,} of {count:,} points"
+            f"has points of {size:,} bytes instead of the {count * sum(widths):,} of {count:,} points"
         )
     if len(body) - 8 < packed:
         raise _FaultError(cut_off(f"{len(body) - 8:,} bytes of points", f"{packed:,}"))
@@ -140,7 +140,7 @@ def _compressed(body: memoryview, columns: list[tuple[str, str]], count: int) ->
     at = 0
     for (name, kind), width in zip(columns, widths, strict=True):
         if name in ("x", "y", "z"):
-            with np.errstate(invalid="ignore"):  # NaNs of any kind
+            with np.errstate(invalid="ignore"):  # signalling NaNs must not cause warnings
                 found[:, "xyz".index(name)] = np.frombuffer(plain, kind, count, at) if count else 0.0
         at += count * width
     return found
@@ -178,6 +178,6 @@ def _unpacked(packed: bytes, size: int) -> bytes:
 
 
 _LITERAL, _LONG = 32, 7
-"""LZF: control bytes below `_LITERAL` count literal bytes; if the length is `_LONG`, the next byte is
-added to it.
+"""Control bytes of LZF data: a byte below `_LITERAL` gives a number of literal bytes; other bytes contain a
+length. If this length is `_LONG`, the next byte is added to it.
 """

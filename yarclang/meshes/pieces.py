@@ -5,9 +5,10 @@ convex hull of two kinds of points: the corners of the parts of triangles in the
 the cell that are inside the solid.
 
 This hull contains P, the part of the solid in the cell. Proof: let p be an extreme point of P. If p is on the
-surface of the solid, it belongs to the part of a triangle. If p is inside the solid, it is also an extreme
-point of the cell, that is, one of the cell's corners. A triangle in the border of a cell matters only where
-other triangles meet it. No piece therefore lacks any part of the solid, whichever planes are chosen. The
+surface of the solid, it is in the part of a triangle that is in the cell. If p is inside the solid, it is
+also an extreme point of the cell, that is, one of the cell's corners. A triangle in the border between two
+cells belongs only to the cell on the side of the solid. The other cell needs the triangle's points only where
+other triangles meet the triangle. So no piece lacks any part of the solid, whichever planes are chosen. The
 planes are chosen so that the pieces are small.
 """
 
@@ -25,17 +26,19 @@ MOST_PIECES = 64
 """Largest number of pieces."""
 
 _EVEN = 7
-"""Number of planes across each axis that divide a cell evenly."""
+"""Number of evenly spaced planes across each axis that are tried as cuts of a cell."""
 _FACES = 8
-"""Number of planes across each axis that are placed at the largest faces of the mesh perpendicular to the
+"""Number of planes across each axis that are tried at the largest faces of the mesh perpendicular to the
 axis.
 """
 _GRID = 32
 """Number of cells along each axis of the grid with which the solid's volume is measured."""
 _ENOUGH = 0.02
-"""A piece is not cut again if its excess volume is less than this share of its own volume."""
+"""A piece is not cut again if its excess volume (the part outside of the solid) is less than this share of
+its own volume.
+"""
 _SOME = 4_000
-"""Number of triangles from which the cuts are chosen."""
+"""Largest number of triangles that are used to choose the cuts."""
 _WORTH = 0.1
 """If the best plane reduces the volume by less than this share of the excess volume, the cell is halved
 instead.
@@ -43,8 +46,8 @@ instead.
 _TINY = 0.002
 """A piece is not cut again if its excess volume is less than this share of the volume of the whole hull."""
 _INWARDS = 5e-7
-"""Distance from a cell's borders at which a point near a corner decides if the corner is inside the solid
-[m].
+"""A corner of a cell counts as inside the solid if a point near it may be inside. This is the distance of
+that point from the cell's borders [m].
 """
 _THIN = 1e-5
 """Least thickness of a piece [m]. Flat pieces, which contain only a part of the surface, are thickened."""
@@ -82,7 +85,7 @@ def pieces_of(triangles: Array, most: int) -> tuple[Piece, ...]:
         most: largest number of pieces.
     """
     if np.einsum("ti,ti->", triangles[:, 0], np.cross(triangles[:, 1], triangles[:, 2])) < 0.0:
-        triangles = triangles[:, ::-1]  # their corners are now in counterclockwise order, seen from outside
+        triangles = triangles[:, ::-1]  # now counterclockwise, seen from outside
     columns = Columns(triangles)
     found = []
     for low, high in _cells(triangles, most):
@@ -96,7 +99,8 @@ def pieces_of(triangles: Array, most: int) -> tuple[Piece, ...]:
             if columns.may_contain(near) or columns.contains(corner)
         ]
         held = np.concatenate((own, np.array(inside).reshape(-1, 3)))
-        found.append(Piece(low, high, _outer(_thick(held))))  # not empty: each cell has parts of triangles
+        # `held` is never empty, since each cell contains parts of triangles.
+        found.append(Piece(low, high, _outer(_thick(held))))
     return tuple(found)
 
 
@@ -108,7 +112,7 @@ def _cells(triangles: Array, most: int) -> list[tuple[Array, Array]]:
     low, high = points.min(axis=0), points.max(axis=0)
     solid, middles = filled(triangles, low, high, _GRID)
     flats = _flats(triangles)
-    order = np.random.default_rng(0).permutation(len(triangles))  # the same one each time
+    order = np.random.default_rng(0).permutation(len(triangles))  # always the same order
     some = triangles[np.sort(order[:_SOME])]
     whole = _volume(_outer(some.reshape(-1, 3)))
     cells = [_measured(low, high, some, solid, middles)]
@@ -234,8 +238,8 @@ def _best_cut(cell: _Cell, flats: tuple[Array, ...]) -> tuple[int, float] | None
 
 
 def _volumes(triangles: Array, axis: int, places: Array) -> list[float]:
-    """Return, for each of several planes perpendicular to an axis in rising order, the sum of the volumes of
-    the two pieces into which the plane cuts a cell.
+    """Return the volume of the two pieces together into which a plane cuts a cell. The result has one number
+    for each of several planes perpendicular to an axis, in rising order.
     """
     layers, rest = [], triangles
     for at in places.tolist():

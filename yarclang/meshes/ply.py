@@ -23,7 +23,7 @@ _TYPES = {
         "float64": "f8",
 }  # fmt: skip
 _AT_ONCE = 1_000_000
-"""Largest number of numbers of lists that are read at once, to bound memory."""
+"""Largest number of list entries that are read at once, to bound memory."""
 _CORNERS = ("vertex_indices", "vertex_index")
 
 
@@ -139,14 +139,14 @@ def _elements(text: str) -> list[_Element]:
                 found.append(_Element(name, int(count), ()))
             case ["property", "list", length, kind, name] if found and {length, kind} <= _TYPES.keys():
                 if _TYPES[length][0] == "f":
-                    raise _FaultError(f"has a list {name[:20]} whose length is no integer")
+                    raise _FaultError(f"has a list {name[:20]} whose length isn't an integer")
                 found[-1] = _with(found[-1], _Property(name, _TYPES[kind], _TYPES[length]))
             case ["property", kind, name] if found and kind in _TYPES:
                 found[-1] = _with(found[-1], _Property(name, _TYPES[kind]))
             case [] | ["comment" | "obj_info", *_]:
                 pass
             case _:
-                raise _FaultError("has a line in its header that no PLY file has")
+                raise _FaultError("has a line in its header that PLY doesn't have")
     return found
 
 
@@ -179,13 +179,13 @@ class _Numbers:
 
         Args:
             count: number of entries, which have one list each.
-            before: number of positions of an entry before its list.
+            before: number of positions that an entry takes before its list.
             length: type of the length of a list.
-            item: number of positions of a number of the list.
-            after: number of positions of an entry after its list.
+            item: number of positions that each number of the list takes.
+            after: number of positions that an entry takes after its list.
 
         Raises:
-            _FaultError: if the file ends too early, or if a length isn't an allowed one.
+            _FaultError: if the file ends too early, or if the length of a list isn't allowed.
         """
         raise NotImplementedError
 
@@ -201,7 +201,7 @@ class _Text(_Numbers):
         try:
             self.numbers = np.array(content.split()).astype(np.float64)
         except ValueError:
-            raise _FaultError("has a word that is no number") from None
+            raise _FaultError("has a word that isn't a number") from None
         self.place = 0
 
     def rows(self, count: int, kinds: list[str]) -> NDArray[np.float64]:

@@ -38,9 +38,9 @@ def _read(text: bytes, kind: np.dtype[Any]) -> NDArray[Any] | None:
     words = _words(text)
     try:
         found: NDArray[Any] = np.fromstring(text, kind, sep=" ") if words else np.zeros(0, kind)
-    except (ValueError, DeprecationWarning):  # depends on the version of numpy; others drop the rest
+    except (ValueError, DeprecationWarning):  # some versions of numpy raise; others drop the rest of the text
         return None
-    # numpy reads 1.5-2 as two numbers
+    # Numpy reads 1.5-2 as two numbers: check that each word has given one number.
     return found if len(found) == words else None
 
 
@@ -57,8 +57,10 @@ def table(lines: Sequence[bytes], width: int) -> NDArray[np.float64] | None:
     """
     if not lines:
         return np.zeros((0, width))
-    found = numbers(b" nan ".join((*lines, b"")))  # marks the ends of lines
+    found = numbers(b" nan ".join((*lines, b"")))  # a NaN marks the end of each line
     if found is None or len(found) != len(lines) * (width + 1):
         return None
     rows = found.reshape(-1, width + 1)
-    return rows[:, :width] if np.isfinite(rows[:, :width]).all() and np.isnan(rows[:, width]).all() else None
+    # Beyond the range of single precision, coal reads infinity.
+    is_known = (np.abs(rows[:, :width]) <= np.finfo(np.float32).max).all()
+    return rows[:, :width] if is_known and np.isnan(rows[:, width]).all() else None

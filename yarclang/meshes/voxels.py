@@ -45,7 +45,7 @@ def voxels_of(points: Array, edge: float, most: int) -> Voxels | TooMany:
 
     Args:
         points: (N, 3), finite, at least one.
-        edge: edge of a cube; the faces of cubes are at its multiples.
+        edge: edge length of a cube. The coordinates of the cubes' faces are multiples of it.
         most: largest number of triangles.
     """
     with np.errstate(over="ignore"):
@@ -74,8 +74,8 @@ def voxels_of(points: Array, edge: float, most: int) -> Voxels | TooMany:
 
 
 def _without(cells: NDArray[np.int64], beyond: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return those of the sorted `cells` whose neighbour, the same entry of `beyond`, isn't one of the
-    cells.
+    """Return those of the sorted `cells` whose neighbour isn't one of the cells. The neighbour of each cell
+    is the entry of `beyond` at the same position.
     """
     row = np.minimum(np.searchsorted(cells, beyond), len(cells) - 1)
     outer: NDArray[np.int64] = cells[cells[row] != beyond]

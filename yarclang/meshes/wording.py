@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-ODD_CORNER = "has a corner that is no finite number"
+ODD_CORNER = "has a corner that isn't a finite number"
 NO_TRIANGLE = "has no triangle"
 
 

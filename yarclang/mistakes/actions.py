@@ -68,7 +68,7 @@ def signal(line: Line) -> Guess | None:
         return line.guess(
             at,
             at + len(name),
-            f"what {name} shall be is missing",
+            f"the value for {name} is missing",
             None,
             f"write {word} {name} ON, or OFF: {states}",
         )
@@ -81,7 +81,7 @@ def signal(line: Line) -> Guess | None:
         begin = line.behind + found.start("sign") + found["sign"].index("=")
         put = f"{word} {name} {state}"
         repaired = f"{line.text[: at + len(name)]} {line.text[line.behind + found.start('state') :]}"
-        return Guess(begin, begin + 1, f"{word} has no equals sign here", f"write {put}", repaired)
+        return Guess(begin, begin + 1, f"{word} takes no equals sign here", f"write {put}", repaired)
     return None
 
 
@@ -103,7 +103,7 @@ def wait(line: Line) -> Guess | None:
         return line.guess(
             at,
             at + len(found["all"]),
-            "the time of a WAIT stands in square brackets",
+            "the time of a WAIT must be in square brackets",
             put,
             f"write WAIT {put}",
         )
@@ -120,7 +120,7 @@ def wait(line: Line) -> Guess | None:
             state = "OFF" if state == "ON" else "ON"
         put = f"{found['name']} {state}"
         if found["all"] != put and found["name"].upper() in (*_named(line, "INPUT"), *_named(line, "OUTPUT")):
-            what = "WAIT takes an input and the value to wait for"
+            what = "WAIT needs an input and the value to wait for"
             return line.guess(at, at + len(found["all"]), what, put, f"write WAIT {put}")
     if found := re.fullmatch(r"\s+(?P<all>(?:FOR\s+)?\$?[A-Z]*IN?\s*\[.*)", line.values, re.I):
         at = line.behind + found.start("all")
@@ -128,7 +128,7 @@ def wait(line: Line) -> Guess | None:
         return line.guess(
             at,
             at + len(found["all"]),
-            "WAIT takes an input by its name, and the value to wait for",
+            "WAIT needs the name of an input, and the value to wait for",
             None,
             help_,
         )
@@ -155,7 +155,7 @@ def turned(line: Line) -> Guess | None:
         if found and found["name"].upper() in outputs:
             put, at = f"{found['name']} {found['state']}", line.behind + found.start("all")
             return line.guess(
-                at, len(line.bare), "SET takes the output first, then its state", put, f"write SET {put}"
+                at, len(line.bare), "SET needs the output first, then its state", put, f"write SET {put}"
             )
     if word in ("SET", "WAIT", "PULSE", "WHEN") and (
         found := re.match(
@@ -170,7 +170,7 @@ def turned(line: Line) -> Guess | None:
         at, end = line.behind + found.start("sign"), line.behind + found.end()
         repaired = f"{line.text[: line.behind + found.end('name')]} {state}{line.text[end:]}"
         help_ = f"write {word} {found['name']} {state}"
-        return Guess(at, at + len(found["sign"]), f"no comma stands in a {word}", help_, repaired)
+        return Guess(at, at + len(found["sign"]), f"no comma is allowed in a {word}", help_, repaired)
     if (
         word in ("WHEN", "WHILE", "UNTIL")
         and (
@@ -189,7 +189,7 @@ def turned(line: Line) -> Guess | None:
         help_ = (
             f"write SAY {found['all']} in the line before it, or ABORT {found['all']} if something is wrong"
         )
-        return line.guess(line.behind + found.start("all"), len(line.bare), "STOP says nothing", None, help_)
+        return line.guess(line.behind + found.start("all"), len(line.bare), "STOP takes no text", None, help_)
     if word == "REGISTER" and (
         found := re.fullmatch(r"\s+(?P<name>[A-Za-z_]\w*)(?:\s*=\s*(?P<value>[0-9]+))?", line.values)
     ):
@@ -208,7 +208,7 @@ def turned(line: Line) -> Guess | None:
             return line.guess(
                 at,
                 len(line.bare),
-                f"what {name} is to be is missing",
+                f"the state of {name} is missing",
                 None,
                 f"write WHEN {name} ON, or WHEN {name} OFF",
             )
@@ -233,7 +233,7 @@ def rounds(line: Line) -> Guess | None:
     help_ = f"write {put}: ${name or 'I'} counts from 0" + (
         "" if name else f", or REPEAT {count} without a name"
     )
-    return line.guess(at, len(line.bare), "REPEAT takes the number of rounds alone", None, help_)
+    return line.guess(at, len(line.bare), "REPEAT takes only the number of rounds", None, help_)
 
 
 def _named(line: Line, kind: str) -> frozenset[str]:

@@ -41,8 +41,8 @@ _NO_INDEX, _NO_UNIT, _NO_END, _NO_BLOCK = "Y0105", "Y0304", "Y0113", "Y0114"
 _NO_TEXT, _CHARACTER = "Y0108", "Y0118"
 
 _UNDERSTOOD = frozenset((_NO_INDEX, _NO_UNIT, _NO_TEXT))
-"""Codes of these families that are ignored: those of lines that can be read, and of a file that is no
-program.
+"""Codes of findings that are ignored although they belong to `_FAMILIES`. These findings are about lines that
+can be read, or about a file that is no program.
 """
 
 _MOST_LINES = 200
@@ -95,10 +95,11 @@ GUESSERS: tuple[Guesser, ...] = (
 
 
 def answered(diagnostics: Iterable[Diagnostic], source: SourceFile) -> tuple[Diagnostic, ...]:
-    """Return the findings of a program. If the mistake in a line that can't be read is recognised, one
-    finding about the mistake replaces the line's others.
+    """Return the findings of a program. If the mistake in a line that can't be read is recognised, a finding
+    about this mistake replaces all findings of the line.
 
-    The new finding has the code of the line's first error. It has a fix if only one repair is likely.
+    The new finding has the code of the line's error at the mistake's own place, or else of its first error.
+    It has a fix if only one repair is likely.
 
     Args:
         diagnostics: all findings.
@@ -130,9 +131,9 @@ def answered(diagnostics: Iterable[Diagnostic], source: SourceFile) -> tuple[Dia
     for one in found:
         line = _line(one, source)
         if one.code == _NO_END and ends:
-            ends -= 1  # the line that was meant as END has an answer
+            ends -= 1  # the finding about the line that was meant as END replaces this one
         elif one.code == _NO_BLOCK and line not in answers and begins and begins[0] < line:
-            begins.pop(0)  # the line that was meant to begin the block has an answer
+            begins.pop(0)  # the finding about the intended first line replaces this one
         elif line not in answers or (one.code == _NO_INDEX and answers[line].fix is not None):
             told.append(one)
         elif one is wrong[line][0]:
@@ -162,10 +163,10 @@ def _line(one: Diagnostic, source: SourceFile) -> int:
 
 
 def _answer(wrong: list[Diagnostic], guess: Guess, text: str) -> Diagnostic:
-    one = wrong[0]
-    assert one.span is not None  # it has a line
-    number = one.span.line
+    assert wrong[0].span is not None  # a finding about a line has a span
+    number = wrong[0].span.line
     span = Span.on_line(number, guess.begin + 1, max(guess.end, guess.begin + 1) + 1)
+    one = next((error for error in wrong if error.span == span), wrong[0])
     fix = None
     if guess.lines and all(_is_read(line) for line in guess.lines):
         unread = any(family_of(each_.code) == SYNTAX for each_ in wrong)

@@ -18,7 +18,7 @@ _NEAR = re.compile(r"(?<=\s)NEAR\s+(?P<all>[\[({][^\])}]*[\])}]|[-+0-9.][-+0-9.\
 
 
 def behind(line: Line) -> Guess | None:
-    """Recognise a speed without brackets, a zone, and joint values after NEAR."""
+    """Recognise a speed without brackets, a blend zone, and joint values after NEAR."""
     if not line.is_motion:
         return None
     begin = line.behind
@@ -26,10 +26,10 @@ def behind(line: Line) -> Guess | None:
         share = bool(found["share"])
         put = f"[{found['value']}%]" if share else f"[V {found['value']}]"
         help_ = f"write {put}" + ("" if share else f" for the speed of the moving frame in {_rate(line)}")
-        return _told(line, found, "a speed stands in square brackets", help_)
+        return _told(line, found, "a speed must be in square brackets", help_)
     if found := _STOP.search(line.bare, begin):
         return _told(
-            line, found, f"`{found['all']}` is no option", "take it away: a motion without BLEND ends at rest"
+            line, found, f"`{found['all']}` is no option", "remove it: a motion without BLEND ends at rest"
         )
     if found := _CORNER.search(line.bare, begin):
         help_ = "write BLEND 10 and the corner's size, as a length or an angle in the line's units"
@@ -41,7 +41,7 @@ def behind(line: Line) -> Guess | None:
         return _told(line, found, f"`{found['all']}` is no option", help_)
     if found := _NEAR.search(line.bare, begin):
         help_ = "declare them, as JOINTS CLOSE 0 10 0 0 -30 0 (deg), and write NEAR CLOSE"
-        return _told(line, found, "NEAR takes the name of a joint position", help_)
+        return _told(line, found, "NEAR needs the name of a joint position", help_)
     return None
 
 

@@ -29,16 +29,14 @@ def end(line: Line) -> Guess | None:
     if found is None or (found["word"].upper() in ("DONE",) and line.values.strip()):
         return None
     if _MAIN.fullmatch(found["word"]) and not line.around.has_open_block(line.number):
-        return None  # a whole program ends here
+        return None  # this word ends the whole program, not a block
     if found["word"] == "}" and not line.around.has_open_block(line.number):
         return None
     begin = found.start("word")
     apart = re.match(r"END\s+(?P<kind>\w+)", line.bare[begin:], re.I)
     at = begin + apart.start("kind") if apart else begin
     repaired = f"{line.text[:begin]}END{line.comment and ' ' + line.comment.lstrip()}"
-    guess = Guess(
-        at, len(line.bare.rstrip("; ")), "END alone ends a block, whatever its kind", "write END", repaired
-    )
+    guess = Guess(at, len(line.bare.rstrip("; ")), "every block ends with END alone", "write END", repaired)
     guess.ends_block = True
     return guess
 
@@ -60,19 +58,19 @@ def condition(line: Line) -> Guess | None:
         if (found := _THEN.search(line.bare)) and word in ("IF", "WHEN", "WHILE", "REPEAT"):
             kind = "word" if found["word"] else "sign"
             return line.guess(
-                found.start(kind), found.end(kind), f"`{found[kind]}` can't stand after the condition", "",
-                "take it away; what comes then has lines of its own, up to END",
+                found.start(kind), found.end(kind), f"`{found[kind]}` isn't allowed after the condition", "",
+                "remove it, and write the commands in the next lines, up to END",
             )  # fmt: skip
     if found := re.fullmatch(r"\s*(?P<word>ELSE|LOOP)\s*(?P<sign>:|THEN|DO|\{|;)", line.bare, re.I):
         repaired = f"{line.text[: found.end('word')]}{line.comment and ' ' + line.comment}"
-        what = f"`{found['sign']}` can't stand after {found['word']}"
-        return Guess(found.start("sign"), found.end("sign"), what, "take it away", repaired)
+        what = f"`{found['sign']}` isn't allowed after {found['word']}"
+        return Guess(found.start("sign"), found.end("sign"), what, "remove it", repaired)
     inputs = [one.upper() for one in line.around.declared.get("INPUT", ())]
     found = re.match(r"\s+(?P<name>[A-Za-z_]\w*)", line.values)
     negated = re.fullmatch(r"\s+(?P<all>NOT\s+(?P<name>[A-Za-z_]\w*))", line.values, re.I)
     if word in ("IF", "WHEN") and negated and negated["name"].upper() in inputs:
         at, name = line.behind + negated.start("all"), negated["name"]
-        message = f"{name} is an input: whether it is ON is asked when the program runs"
+        message = f"{name} is an input: it is read only when the program runs"
         help_ = f"write WHEN {name} OFF ... ELSE ... END"
         return line.guess(at, len(line.bare), message, None, help_)
     if word == "IF" and found and found["name"].upper() in inputs:
@@ -80,13 +78,13 @@ def condition(line: Line) -> Guess | None:
         return line.guess(
             at,
             at + len(name),
-            f"IF is decided before the program runs, and {name} is an input",
+            f"IF can't read the input {name}: it is decided before the program runs",
             None,
             f"write WHEN {name} ON ... ELSE ... END, which is decided when the program runs",
         )
     if found := _ELSE_IF.fullmatch(line.bare):
         return line.guess(
-            found.start("word"), len(line.bare), f"{found['word']} is one word too many: ELSE stands alone",
+            found.start("word"), len(line.bare), f"{found['word']} : ELSE must be alone in its line",
                 None,
             "write ELSE, then IF in the next line, and an END for each of both",
         )  # fmt: skip
@@ -135,7 +133,7 @@ def hold(line: Line) -> Guess | None:
     said = line.text[at:].rstrip()
     if said.startswith('"') and said.endswith('"') and said.count('"') == 4:
         inner = said[1:-1].replace('"', "'")
-        message = "a text has no quotes within it"
+        message = "quotes aren't allowed inside a text"
         return line.guess(at, at + len(said), message, None, f'write "{inner}"')
     if said.startswith('"') and said.count('"') == 1:
         inner = said[1:]
@@ -145,7 +143,7 @@ def hold(line: Line) -> Guess | None:
         inner = said
     else:
         return None
-    what = "this text is not closed" if said.startswith('"') else "a text stands in double quotes"
+    what = "this text is not closed" if said.startswith('"') else "a text must be in double quotes"
     return line.guess(at, at + len(said), what, f'"{inner}"')
 
 
@@ -160,7 +158,7 @@ def several(line: Line) -> Guess | None:
         return Guess(
             begin,
             end,
-            f"a line has one command, and {found['index']} begins a second one",
+            f"a line can have only one command, and {found['index']} begins a second one",
             "write it in a line of its own",
             *both,
         )
@@ -169,7 +167,7 @@ def several(line: Line) -> Guess | None:
         if line.after[:1].isspace() and re.match(r"\s+[-+]?[0-9.]", line.after):
             return None
         at = len(bare)
-        return line.guess(at, len(line.bare), "no `;` ends a command", "", "take the `;` away")
+        return line.guess(at, len(line.bare), "a command doesn't end with `;`", "", "remove the `;`")
     if line.word.upper() == "CALL" and (
         found := re.fullmatch(r"\s+[A-Za-z_][\w.]*\s*(?P<all>\(\s*\))", line.values)
     ):
@@ -177,7 +175,7 @@ def several(line: Line) -> Guess | None:
         return line.guess(
             at,
             at + len(found["all"]),
-            "a CALL has no brackets",
+            "a CALL takes no brackets",
             "",
             f"write {line.bare[line.begin : at].strip()}",
         )
@@ -187,8 +185,8 @@ def several(line: Line) -> Guess | None:
         return Guess(
             at,
             at + len(found["sign"]),
-            f"`{found['sign']}` can't stand after {line.word}",
-            "take it away",
+            f"`{found['sign']}` isn't allowed after {line.word}",
+            "remove it",
             repaired,
         )
     return None

@@ -20,7 +20,7 @@ def request(line: Line) -> Guess | None:
     state = "OFF" if found["word"].upper().startswith("RESET") else "ON"
     end = found.end("all") if state == "ON" else found.end("word")
     index = "" if line.index.strip() else f"{line.around.free_index(line.number)} "
-    message = f"{found['word']} says ON or OFF after the output"
+    message = f"{found['word']} is no command: SET has ON or OFF after the output"
     return line.guess(found.start("all"), end, message, None, f"write {index}SET {found['name']} {state}")
 
 
@@ -35,16 +35,16 @@ def call(line: Line) -> Guess | None:
         state = {"TRUE": "ON", "1": "ON", "FALSE": "OFF", "0": "OFF"}.get(state.upper(), state)
         put = f"{line.word} {name} {state}"
         repaired = f"{line.text[: line.begin]}{put}{line.comment and ' ' + line.comment}"
-        message = f"{word} has no brackets and no commas"
+        message = f"{word} takes no brackets and no commas"
         return Guess(line.behind, len(line.bare), message, f"write {put}", repaired)
     if found is not None and word in ("HOLD", "SAY") and re.fullmatch(r'"[^"]*"', found["inside"]):
         put = f"{line.word} {found['inside']}"
         repaired = f"{line.text[: line.begin]}{put}{line.comment and ' ' + line.comment}"
-        return Guess(line.behind, len(line.bare), f"{word} has no brackets", f"write {put}", repaired)
+        return Guess(line.behind, len(line.bare), f"{word} takes no brackets", f"write {put}", repaired)
     subs = _of(line, "SUB")
     if word == "CALL" and (found := re.fullmatch(r'\s+(?P<all>"\s*(?P<name>[A-Za-z_]\w*)\s*")', line.values)):
         at = line.behind + found.start("all")
-        message = "the name of a SUB stands without quotes"
+        message = "the name of a SUB is written without quotes"
         return line.guess(at, len(line.bare), message, found["name"], f"write CALL {found['name']}")
     if word == "CALL" and (
         found := re.fullmatch(
@@ -61,7 +61,7 @@ def call(line: Line) -> Guess | None:
             return Guess(
                 at,
                 line.behind + found.end("all"),
-                "arguments have blanks between them, and no brackets",
+                "arguments are separated by blanks, without brackets",
                 f"write CALL {name} {put}",
                 repaired,
             )

@@ -18,30 +18,34 @@ def alike(line: Line) -> Guess | None:
     if found := _DEGREES.search(line.bare):
         every = _DEGREES.sub("", line.text)
         unit = line.units.get("angle")
-        help_ = f"take it away: the line's units have {unit}" if unit else "write (deg) after the motion time"
+        help_ = (
+            f"remove it: the line already has the unit {unit}"
+            if unit
+            else "write (deg) after the motion time"
+        )
         repaired = (every,) if unit == "deg" else ()
         return Guess(
             found.start(),
             found.end(),
-            "`°` can't stand in code: units stand in brackets, once for all angles",
+            "`°` isn't allowed in code: units are written in brackets, once for all angles",
             help_,
             *repaired,
         )
     if found := _MINUTES.search(line.bare):
         help_ = "write the angle as one decimal number: 10.5 for 10 degrees and 30 minutes"
         return line.guess(
-            found.start("sign"), found.end("sign"), f"`{found['sign']}` can't stand in code", None, help_
+            found.start("sign"), found.end("sign"), f"`{found['sign']}` isn't allowed in code", None, help_
         )
     if found := _FRACTIONS.search(line.bare):
         number = f"{float(found['whole'] or 0) + unicodedata.numeric(found['part']):g}"
-        what = f"`{found['part']}` can't stand in code: numbers are decimal"
+        what = f"`{found['part']}` isn't allowed in code: write decimal numbers"
         return line.guess(found.start(), found.end(), what, number)
     if found := _COMMAS.search(line.bare):
         without = _COMMAS.sub("", line.text)
         return Guess(
             found.start(),
             found.end(),
-            f"`{found[0]}` can't stand in code",
+            f"`{found[0]}` isn't allowed in code",
             "write blanks between values",
             without,
         )

@@ -22,7 +22,7 @@ def whole(line: Line) -> Guess | None:
             at = found.start("sign")
             end = found.start("said") + len(said.split()[0])
             help_ = f"write USE {module['name'].upper()}, with the module's name"
-            return line.guess(at, end, f"`{line.text[at:end]}` belongs to another language", None, help_)
+            return line.guess(at, end, f"`{line.text[at:end]}` is of another language", None, help_)
         if sign == "(":
             if not said.endswith(")") or not _WORDS.match(said):
                 return None
@@ -46,7 +46,7 @@ def behind(line: Line) -> Guess | None:
 
 
 def _are_words(line: Line, said: str) -> bool:
-    """Return True if the text after a semicolon is a remark and not a way-point.
+    """Return True if the text after a semicolon is a remark and not a waypoint.
 
     A remark has several words, and none of them is a name of the program.
     """
@@ -64,4 +64,4 @@ def _written(line: Line, at: int, sign: str, said: str) -> Guess:
     put = f"! {said}".rstrip()
     shown = put if len(put) < 40 else put[:37] + "..."
     repaired = line.text[:at] + put
-    return Guess(at, at + len(sign), f"`{sign}` begins no comment", f"write {shown}", repaired)
+    return Guess(at, at + len(sign), f"`{sign}` doesn't begin a comment", f"write {shown}", repaired)

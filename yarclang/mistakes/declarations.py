@@ -54,7 +54,7 @@ def declared(line: Line) -> Guess | None:
                 line,
                 found,
                 "all",
-                "the values have commas between them",
+                "the values are separated by commas",
                 put,
                 f"write blanks between the values: {put}",
             )
@@ -64,10 +64,12 @@ def declared(line: Line) -> Guess | None:
             at = line.behind + found.start("sign")
             shown = repaired.partition(" !")[0].strip()
             return Guess(
-                at, at + len(found["sign"]), f"{word} has no equals sign", f"write {shown}", repaired
+                at, at + len(found["sign"]), f"{word} takes no equals sign", f"write {shown}", repaired
             )
     if word == "JOINTS" and (found := re.match(r"\s+(?P<all>\{\s*(?P<name>\w+)\s*\})", line.values)):
-        return _replaced(line, found, "all", "a joint position's name stands without braces", found["name"])
+        return _replaced(
+            line, found, "all", "the name of a joint position is written without braces", found["name"]
+        )
     if word in ("OUTPUT", "INPUT") and (found := _VARIABLE.fullmatch(line.values)):
         example = "M1" if word == "OUTPUT" else "M11"
         help_ = (
@@ -91,10 +93,12 @@ def declared(line: Line) -> Guess | None:
         and found["all"] != found["name"]
     ):
         help_ = f"write USE {found['name'].upper()}: the name alone, without quotes and ending"
-        return _replaced(line, found, "all", "a module is named as its file, without its ending", None, help_)
+        return _replaced(
+            line, found, "all", "a module has the name of its file, without the ending", None, help_
+        )
     if word == "DEFAULT" and (found := re.match(r"\s+(?P<all>[A-Za-z_]\w*)(?=\s|$)", line.values)):
         put = f"{{{found['all']}}}"
-        return _replaced(line, found, "all", "a frame's name stands in braces", put)
+        return _replaced(line, found, "all", "the name of a frame must be in braces", put)
     return None
 
 
@@ -102,9 +106,9 @@ def _number(line: Line) -> Guess | None:
     found = _WITH_UNIT.fullmatch(line.values)
     if found and found["unit"].lower() in UNITS and is_number(found["value"]):
         help_ = f"write = {found['value']} ({found['unit'].lower()})"
-        return _replaced(line, found, "all", "a number's unit stands in brackets after it", None, help_)
+        return _replaced(line, found, "all", "the unit of a number must be in brackets after it", None, help_)
     if found := re.match(r"\s+(?P<name>[0-9]+(?P<rest>[A-Za-z_]\w*))", line.values):
-        help_ = f"a name begins with a letter: write {found['rest']}{found['name'][: -len(found['rest'])]}"
+        help_ = f"names begin with a letter: write {found['rest']}{found['name'][: -len(found['rest'])]}"
         return _replaced(line, found, "name", f"`{found['name']}` is no name", None, help_)
     return None
 
@@ -117,7 +121,7 @@ def _sub(line: Line) -> Guess | None:
     if found := re.fullmatch(r"\s+(?P<name>[A-Za-z_]\w*)\s*(?P<all>\(\s*\)\s*:?|:)", line.values):
         at = line.behind + found.start("all")
         return line.guess(
-            at, len(line.bare), "the head of a SUB has no such brackets", "", f"write SUB {found['name']}"
+            at, len(line.bare), "the head of a SUB takes no round brackets", "", f"write SUB {found['name']}"
         )
     return None
 

@@ -30,15 +30,21 @@ def sum_(line: Line) -> Guess | None:
             apart = re.sub(r"\s-\s+", " -", found[0])
             help_ = f"write {put} for one value, or {apart} for several"
             return line.guess(
-                found.start(), found.end(), f"`{found[0]}` may be one value or several", None, help_
+                found.start(),
+                found.end(),
+                f"`{found[0]}` can be read as one value or as several",
+                None,
+                help_,
             )
         return line.guess(found.start(), found.end(), f"`{found[0]}` needs brackets around the sum", put)
     if found := _APART.search(line.bare, begin):
-        return line.guess(found.start(), found.end(), "`$` stands close to its name", f"${found['name']}")
+        return line.guess(
+            found.start(), found.end(), "`$` must directly precede its name", f"${found['name']}"
+        )
     if found := _QUOTIENT.search(line.bare, begin):
         put = f"$({found['sum']})"
         return line.guess(
-            found.start(), found.end(), f"`{found['sum']}` is not a number: sums stand in $()", put
+            found.start(), found.end(), f"`{found['sum']}` is not a number: a sum must be in $()", put
         )
     if found := _HEXADECIMAL.search(line.bare, begin):
         help_ = f"numbers are decimal: {found['number']} is {int(found['number'], 16)}"
@@ -53,14 +59,18 @@ def sum_(line: Line) -> Guess | None:
         help_ = f"write ${{}}({name}({found['inside']}))".replace("{}", "")
         put = f"$({name}({found['inside']}))"
         return line.guess(
-            found.start(), found.end(), f"`{shown}` is not a number: functions stand in $()", put, help_
+            found.start(), found.end(), f"`{shown}` is not a number: a function must be in $()", put, help_
         )
     if unit := _TURNED.get(name):
         help_ = f"write {found['inside']}, and ({unit}) after the motion time"
         if line.units.get("angle") == unit:
             help_ = f"write {found['inside']}: the line's angles are in {unit}"
         return line.guess(
-            found.start(), found.end(), f"`{shown}` is not a number: units stand in brackets", None, help_
+            found.start(),
+            found.end(),
+            f"`{shown}` is not a number: units are written in brackets",
+            None,
+            help_,
         )
     return None
 
@@ -70,14 +80,14 @@ def _with_unit(line: Line, found: re.Match[str]) -> Guess | None:
 
     number, unit = found["number"], found["unit"].lower()
     here = line.units.get(UNITS[unit].kind)
-    message = f"`{found[0]}` is not a number: units stand in brackets, one for all values of their kind"
+    message = f"`{found[0]}` is not a number: units are written in brackets, one for all values of their kind"
     if here == unit:
         return line.guess(
             found.start(),
             found.end(),
             message,
             number,
-            f"write {number}; the line's units have {unit} already",
+            f"write {number}; the line already has the unit {unit}",
         )
     help_ = f"write {number}, and ({unit}) after the motion time" + (f" instead of {here}" if here else "")
     return line.guess(found.start(), found.end(), message, None, help_)

@@ -23,7 +23,7 @@ def foreign(line: Line) -> Guess | None:
         return line.guess(
             found.start("all"),
             found.end("all"),
-            "the time of a WAIT stands in square brackets",
+            "the time of a WAIT must be in square brackets",
             f"{line.around.free_index(line.number)} WAIT [{found['time']}]",
         )
     for form, help_, begins in FORMS:
@@ -38,8 +38,8 @@ def foreign(line: Line) -> Guess | None:
         speed = found["speed"][1:]
         help_ = (
             (
-                f"write {line.word.upper()} with the pose's numbers and [V {speed}]; {found['speed']}, zones "
-                "and tools are no values here"
+                f"write {line.word.upper()} with the pose's numbers and [V {speed}]; {found['speed']}, "
+                "zones and tools aren't written here"
             )
             if speed.isdigit()
             else "write the pose's numbers and [MIN]"
@@ -57,9 +57,9 @@ def foreign(line: Line) -> Guess | None:
         return line.guess(
             at,
             at + len(found["all"]),
-            "no function moves a pose",
+            "no function shifts a pose",
             None,
-            "write DMOVE 0 0 100 0 0 0 to go by a way, or add numbers by $(Z+100)",
+            "write DMOVE 0 0 100 0 0 0 for a relative motion, or add numbers by $(Z+100)",
         )
     return _by_head(line)
 
@@ -87,7 +87,7 @@ def _by_head(line: Line) -> Guess | None:
             end,
             f"{word} belongs to KRL",
             None,
-            "a speed belongs to its motion: write [V 200] after the values, or DEFAULT [V 200] once",
+            "the speed is given with each motion: write [V 200] after the values, or DEFAULT [V 200] once",
         )
     if (
         upper.startswith("MOVE")

@@ -1,4 +1,4 @@
-"""Recognise names of places in braces or quotes or after TO, and way-points on lines of their own."""
+"""Recognise names of places in braces or quotes or after TO, and waypoints on lines of their own."""
 
 from __future__ import annotations
 
@@ -28,10 +28,12 @@ def named(line: Line) -> Guess | None:
     if found["to"]:
         end = line.behind + found.start("name")
         repaired = f"{line.text[:at]}{line.text[end:]}"
-        message = f"`{found['to']}` can't stand before {name}"
+        message = f"`{found['to']}` isn't allowed before {name}"
         return Guess(at, at + len(found["to"]), message, f"write {line.word} {name}", repaired)
     marks = "braces" if found["braces"] else "quotes" if found["quotes"] else "brackets"
-    return line.guess(at, end, f"{name} is a joint position or pose: its name stands without {marks}", name)
+    return line.guess(
+        at, end, f"{name} is a joint position or pose: its name is written without {marks}", name
+    )
 
 
 def several(line: Line) -> Guess | None:
@@ -50,7 +52,7 @@ def several(line: Line) -> Guess | None:
         "`;` between them"
     )
     at = line.behind + found.start("all")
-    return line.guess(at, at + len(found["all"]), f"{line.word} goes to one place", None, help_)
+    return line.guess(at, at + len(found["all"]), f"{line.word} takes only one target", None, help_)
 
 
 _AXIS = re.compile(
@@ -68,7 +70,7 @@ def along(line: Line) -> Guess | None:
     at, end = line.behind + found.start("all"), line.behind + found.end("all")
     help_ = f"write DMOVE {' '.join(way)}: X Y Z roll pitch yaw"
     return line.guess(
-        at, end, "a way is written with all its values, and without the names of axes", None, help_
+        at, end, "a relative motion needs all six values, without the names of axes", None, help_
     )
 
 
@@ -78,21 +80,23 @@ def _known(line: Line) -> set[str]:
 
 
 def apart(line: Line) -> Guess | None:
-    """Recognise a way-point on a line of its own, and a comma between way-points."""
+    """Recognise a waypoint on a line of its own, and a comma between waypoints."""
     if line.is_motion and ("MOVEC" in line.word.upper() or "SPLINE" in line.word.upper()):
         commas = list(_COMMA.finditer(line.bare, line.behind))
         if len(commas) == 1:
             found = commas[0]
             repaired = f"{line.text[: found.start()]}; {line.text[found.end() :]}"
-            message = "a semicolon stands between way-points"
-            return Guess(found.start("comma"), found.end("comma"), message, "write ; for the comma", repaired)
+            message = "waypoints are separated by semicolons"
+            return Guess(
+                found.start("comma"), found.end("comma"), message, "write `;` instead of the comma", repaired
+            )
     alone = _ALONE.fullmatch(line.bare)
     if alone is None or line.number == 1:
         return None
     before = line.around.before(line.number)
     if not re.match(r"\s*(?:P[0-9]+\s+)?MOVE(?:C|[A-Z]_SPLINE)", before, re.I):
         return None
-    message = "a way-point in the next line needs a `;` at the end of the line before it"
+    message = "waypoints that go on in the next line need a `;` at the end of the line before"
     return line.guess(
         alone.start("all"),
         alone.end("all"),

@@ -24,12 +24,12 @@ def index(line: Line) -> Guess | None:
         name = found["index"]
         return Guess(
             found.start("index"), found.end("index"), f"after the index {name} the command is missing",
-            f"write it after the index, as {name} MOVEJ HOME, or take the index away",
+            f"write it after the index, as {name} MOVEJ HOME, or remove the index",
         )  # fmt: skip
     if found := _COLON.match(line.bare):
         sign = found["sign"].strip()
         return line.guess(
-            found.start("sign"), found.end("sign"), f"`{sign}` doesn't belong to an index", "",
+            found.start("sign"), found.end("sign"), f"`{sign}` isn't allowed in an index", "",
             f"write {line.bare[: found.start('sign')].strip()} without it",
         )  # fmt: skip
     if (found := _CLOSE.match(line.bare)) and is_command(found["word"]):

@@ -7,41 +7,41 @@ from types import MappingProxyType
 
 MOVEJ = "write P0010 MOVEJ and the joint positions, or P0010 MOVEJ_RPY and a pose"
 MOVEL = "write P0010 MOVEL and a pose: X Y Z, then roll, pitch and yaw"
-MOVEC = "write P0010 MOVEC, the point on the way, a semicolon, and the pose at the end"
-DMOVE = "write P0010 DMOVE and the way, X Y Z roll pitch yaw; a frame after it says along which axes"
+MOVEC = "write P0010 MOVEC, the via point, a semicolon, and the pose at the end"
+DMOVE = "write P0010 DMOVE and the increment X Y Z roll pitch yaw, and after it the frame whose axes count"
 DMOVEJ = "write P0010 DMOVEJ and the angle by which each joint turns"
 SET = "declare the output, as OUTPUT GLUE M1 OFF, and write P0010 SET GLUE ON"
 WAIT_INPUT = "declare the input, as INPUT DOOR M11, and write P0010 WAIT DOOR ON"
 WHEN = "declare the input, as INPUT DOOR M11, and write WHEN DOOR ON, the lines, and END"
-SUB = "a program begins with its first line; lines that are called stand between SUB NAME and END"
-TIME = "write P0010 WAIT [2] (s): the time stands in square brackets"
+SUB = "remove the line: a program begins with its first line; lines to be called are between SUB NAME and END"
+TIME = "write P0010 WAIT [2] (s): the time is in square brackets"
 REGISTER = (
     "declare it, as REGISTER N 0..17, and write P0010 SET N = N + 1; a number that never changes is LET N = 4"
 )
-JUMP = (
-    "no line is jumped to: lines that are used in several places stand in a SUB; WHEN, CASE and LOOP lead "
-    "the way"
-)
+JUMP = "the language has no jumps: put repeated lines in a SUB, and branch by WHEN, CASE and LOOP"
 REPEAT = "write REPEAT I 4, the lines, and END: $I is 0, 1, 2 and 3"
 _FRAME = (
-    "declare the frame, as FRAME {BENCH} 0 1000 0 0 0 0 (mm,deg) {B}, and write {BENCH} after the motions"
+    "declare the frame, as FRAME {BENCH} 0 1000 0 0 0 0 (mm,deg) {B}, and write {BENCH} at the end of the "
+    "motions"
 )
-_TOOL = "write the frame that moves before the values, as {TCP}; tools stand in the robot's or cell's file"
+_TOOL = "write the moving frame before the values, as {TCP}; tools are declared in the robot's or cell's file"
 _NUMBERS = (
-    "write LET N = 4 for a number that never changes; one that does is declared, as REGISTER N 0..17, and "
-    "changed by SET N = N + 1"
+    "write LET N = 4 for a number that never changes; for one that changes, REGISTER N 0..17 and SET N = N "
+    "+ 1"
 )
 _POINTS = (
     "write JOINTS PICK and its joint values, or POSE PICK and X Y Z roll pitch yaw, and go there by name"
 )
 _SPEED = (
-    "write the speed with its motion, as [V 200] or [50%], or once as DEFAULT [50%]; accelerations stand "
-    "in the robot's file"
+    "write the speed with its motion, as [V 200] or [50%], or once as DEFAULT [50%]; accelerations are "
+    "given in the robot's file"
 )
-_LOAD = "take the line away: masses stand in the robot's or cell's file"
-_HOLD = 'write P0010 HOLD "insert the part" to wait for the operator'
-_SAY = 'write P0010 SAY "hello" to tell the operator something'
-_NOTHING = "take the line away: YARC needs no such setting"
+_LOAD = "remove the line: masses are given in the robot's or cell's file"
+_HOLD = (
+    'write P0010 HOLD "insert the part" to wait for the operator, or P0010 WAIT [2] (s) to wait for a time'
+)
+_SAY = 'write P0010 SAY "hello" to show the operator a message'
+_NOTHING = "remove the line: YARC has no such setting"
 _END = "write P0010 STOP, or nothing: a program ends with its last line"
 
 
@@ -56,8 +56,8 @@ WORDS = MappingProxyType(
         **_all("CIRC MOVC G2 G3 G02 G03 C1MOVE C2MOVE SCIRC", MOVEC),
         **_all("LIN_REL SLIN_REL CIRC_REL TDRAW DRAW", DMOVE),
         **_all("PTP_REL SPTP_REL DRIVE", DMOVEJ),
-        **_all("G91", "DMOVE and DMOVEJ are relative, MOVEJ, MOVEL and MOVEC absolute: take the line away"),
-        **_all("G90", "take the line away: MOVEJ, MOVEL and MOVEC are absolute, DMOVE and DMOVEJ relative"),
+        **_all("G91", "DMOVE and DMOVEJ are relative, MOVEJ, MOVEL and MOVEC absolute: remove the line"),
+        **_all("G90", "remove the line: MOVEJ, MOVEL and MOVEC are absolute, DMOVE and DMOVEJ relative"),
         **_all("G28 G30", "write P0010 MOVEJ HOME"),
         **_all("G21 G71", "write the unit in brackets, once: DEFAULT (mm,deg,s)"),
         **_all("G20 G70", "write the unit in brackets, once: DEFAULT (in,deg,s)"),
@@ -74,7 +74,13 @@ WORDS = MappingProxyType(
         **_all("ENDPROC ENDMODULE ENDDEF ENDFCT", SUB),
         **_all("DELAY TIMER TWAIT G4 G04 DWELL", TIME),
         **_all("M30 M2 M02 EXIT_PROGRAM", _END),
-        **_all("HALT", 'write P0010 STOP to end the program, or P0010 HOLD "look" to wait for the operator'),
+        **_all(
+            "HALT",
+            (
+                'write P0010 STOP to end the program, or P0010 HOLD "look" to wait for the '
+                "operator, or P0010 WAIT [2] (s) to wait for a time"
+            ),
+        ),
         **_all("PAUSE POPUP UIMSGBOX M0 M00 M1 M01", _HOLD),
         **_all("TEXTMSG TPWRITE MESSAGE PRINT TYPE DISPLAY", _SAY),
         **_all("IMPORT INCLUDE LOAD", "write USE PALLET, with the module's name"),
@@ -84,20 +90,23 @@ WORDS = MappingProxyType(
         **_all("SET_PAYLOAD SET_TARGET_PAYLOAD GRIPLOAD PAYLOAD LOAD_DATA", _LOAD),
         **_all("SWITCH TEST SELECT", "write CASE N, OF 1 and its lines, and END, after REGISTER N 0..3"),
         **_all("GOTO GO LABEL", JUMP),
-        **_all("INTERRUPT TRAP CONNECT", "write WHEN DOOR ON, the lines, and END, where the program looks"),
+        **_all(
+            "INTERRUPT TRAP CONNECT",
+            "write WHEN DOOR ON, the lines, and END at the place where the input is to be read",
+        ),
         **_all(
             "LAPPRO JAPPRO LDEPART JDEPART APPRO DEPART",
-            "write P0010 DMOVE 0 0 -100 0 0 0 {TCP}, which goes by a way along the tool, or MOVEL to a pose",
+            "write P0010 DMOVE 0 0 -100 0 0 0 {TCP}, which moves along the tool's axes, or MOVEL to a pose",
         ),
     }
 )
-"""Help by the first word of a line of another language."""
+"""Help texts for lines of other languages, by the first word of the line."""
 
 BLOCKS = frozenset(("DEF", "PROC", "DEFFCT", "FUNCTION", "ROUTINE", "SWITCH", "TEST", "SELECT"))
 """Words that begin a block; an END further down belongs to them."""
 
 WHOLE = frozenset(("VAR", "PERS", "CONST", "DECL"))
-"""Words whose finding spans the whole line."""
+"""If a line begins with one of these words, its finding spans the whole line."""
 
 FORMS: tuple[tuple[re.Pattern[str], str, bool], ...] = tuple(
     (re.compile(pattern, re.I), help_, begins)
@@ -138,4 +147,4 @@ NUMBERED: tuple[tuple[re.Pattern[str], str], ...] = (
     (re.compile(r"[0-9]+\s*:\s*J\s+P\[.*", re.I), MOVEJ),
     (re.compile(r"[0-9]+\s*:\s*L\s+P\[.*", re.I), MOVEL),
 )
-"""Patterns of lines that begin with their number, with the help."""
+"""Patterns of lines that begin with their number, each with its help."""

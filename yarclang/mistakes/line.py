@@ -45,9 +45,9 @@ class Guess:
     def __init__(self, begin: int, end: int, message: str, help_: str, *lines: str) -> None:
         self.begin, self.end, self.message, self.help, self.lines = begin, end, message, help_, lines
         self.ends_block = False
-        """True if the line was meant as END. The first line of its block then doesn't lack one."""
+        """True if the line was meant as END. The block then isn't reported as one without END."""
         self.begins_block = False
-        """True if the line was meant to begin a block. An END further down then belongs to it."""
+        """True if the line was meant to begin a block. An END further down then ends this block."""
 
 
 Guesser = Callable[["Line"], Guess | None]
@@ -67,6 +67,11 @@ class Around:
             if match := _DECLARED.match(line[:_LONGEST]):
                 found.setdefault(match[1].upper().removesuffix("_QUAT"), []).append(match[2])
         return found
+
+    @cached_property
+    def numbers(self) -> frozenset[str]:
+        """Names that LET declares, in upper case."""
+        return frozenset(one.upper() for one in self.declared.get("LET", ()))
 
     @cached_property
     def lines_of(self) -> dict[str, int]:
@@ -105,8 +110,8 @@ class Around:
         return [(number, int(match[1])) for number, line in lines if (match := _INDEX.match(line))]
 
     def units_at(self, number: int) -> dict[str, str]:
-        """Return the units in line `number`, counted from 1, for lengths, angles and times: its own, or those
-        of DEFAULT above.
+        """Return the units of lengths, angles and times in line `number`, counted from 1: those that the line
+        itself gives, or else those of a DEFAULT above it.
         """
         found: dict[str, str] = {}
         for line, units in self._defaults:
@@ -191,7 +196,7 @@ class Line:
             help_: remedy; if empty, the repair in words.
         """
         lines = () if put is None else (self.with_(begin, end, put).rstrip(),)
-        return Guess(begin, end, message, help_ or (f"write {put}" if put else "take it away"), *lines)
+        return Guess(begin, end, message, help_ or (f"write {put}" if put else "remove it"), *lines)
 
 
 def is_number(text: str) -> bool:
@@ -203,7 +208,7 @@ _THOUSAND = re.compile(r"[-+]?[1-9][0-9]{0,2},[0-9]{3}")
 
 
 def is_thousand(text: str) -> bool:
-    """Return True if the comma of a number may separate either thousands or decimals."""
+    """Return True if the comma in a number is ambiguous: it may separate thousands, or be a decimal comma."""
     return _THOUSAND.fullmatch(text) is not None
 
 

@@ -44,7 +44,7 @@ def named(one: Diagnostic, source: SourceFile, around: Around) -> Diagnostic:
         return one
     if (line := around.lines_of.get(one.subject.name, 0)) > one.span.line:
         return replace(
-            one, help=f"{one.subject.name} is declared in line {line}: a name is known from there on"
+            one, help=f"{one.subject.name} is declared only in line {line}: use it after that line"
         )
     meant = one.subject.meant
     if meant and not one.subject.others and is_slip(one.subject.name, meant):

@@ -32,7 +32,7 @@ _ORDERS = frozenset(
     (*"XYZ", *turns) for turns in ((), tuple("ABC"), tuple("RPY"), ("RX", "RY", "RZ"), tuple("UVW"))
 )
 _SEVERAL = 3
-"""Smallest number of values with the names of axes that counts as a list."""
+"""Smallest number of values with names of axes, as in X10 Y20 Z30, that counts as a list of values."""
 _WAYS = re.compile(r"[0-9.]\s+[-+]?[0-9.]")
 
 
@@ -51,9 +51,9 @@ def value_list(line: Line) -> Guess | None:
         return None
     gaps = {any(sign.isspace() for sign in gap) for gap in re.findall(r"\s*[,;]\s*", found["list"])}
     if len(gaps) > 1:
-        help_ = "write blanks between the values, and a point as the decimal sign"
+        help_ = "write blanks between the values, and a decimal point"
         return line.guess(
-            begin, begin + found.end(), "commas stand between values, and perhaps within them", None, help_
+            begin, begin + found.end(), "the commas may separate values, or be decimal commas", None, help_
         )
     marks = "commas" if "," in found["list"] else "semicolons"
     put = " ".join(values)
@@ -62,7 +62,7 @@ def value_list(line: Line) -> Guess | None:
     else:
         begin_mark = begin
     end = begin + found.end()
-    what = f"the values have {marks} between them" + (" and brackets around them" if found["open"] else "")
+    what = f"the values are separated by {marks}" + (" and brackets around them" if found["open"] else "")
     return line.guess(begin_mark, end, what, put, f"write blanks between the values: {' '.join(values)}")
 
 
@@ -71,7 +71,7 @@ def _are_decimals(text: str, count: int) -> bool:
 
     Args:
         text: the list.
-        count: number of the numbers that have a comma.
+        count: how many numbers of the list have a comma.
     """
     return count > 0 and text.count(",") == count and len(text.split()) > count - 1 and len(text.split()) > 1
 
@@ -88,7 +88,7 @@ def _named(line: Line, begin: int, rest: str) -> Guess | None:
         return None
     names = [one["name"].upper() for one in found]
     put = " ".join(one["value"] for one in found)
-    message = f"values stand without the names of their axes ({' '.join(names)})"
+    message = f"values are written without the names of their axes ({' '.join(names)})"
     if not _in_order(names):
         help_ = (
             "write the values alone, in the order of the command: X Y Z roll pitch yaw, or one for each joint"
@@ -123,7 +123,7 @@ def decimal_commas(line: Line) -> Guess | None:
         at, text = next(token for token in tokens if is_thousand(token[1]))
         help_ = f"write {text.replace(',', '')}, or {text.replace(',', '.')}"
         return line.guess(
-            at, at + len(text), f"`{text}` is not a number: digits stand without commas", None, help_
+            at, at + len(text), f"`{text}` is not a number: digits are written without commas", None, help_
         )
     repaired = line.text
     for at, text in reversed(tokens):
@@ -134,7 +134,7 @@ def decimal_commas(line: Line) -> Guess | None:
         return Guess(
             at,
             at + len(text),
-            f"`{text}` is not a number: the decimal sign is a point",
+            f"`{text}` is not a number: write a decimal point",
             f"write {put}",
             repaired,
         )
@@ -143,14 +143,14 @@ def decimal_commas(line: Line) -> Guess | None:
     return Guess(
         begin,
         end,
-        f"{len(tokens)} numbers have a comma: the decimal sign is a point",
+        f"{len(tokens)} numbers have a comma: write a decimal point",
         f"write {points}",
         repaired,
     )
 
 
 def _values_around(line: Line, tokens: list[tuple[int, str]]) -> tuple[int, int]:
-    """Return start and end of the sequence of numbers in a line that contains some tokens.
+    """Return the start of the first number in a line and the end of the last one, including `tokens`.
 
     Args:
         line: the line.
@@ -169,16 +169,19 @@ def number(line: Line) -> Guess | None:
     if found := _BRACED.search(line.bare):
         return line.guess(
             found.start(), found.end(),
-                f"a number's name stands without braces: {{{found['name']}}} is a frame", f"${found['name']}"
+            f"the name of a number is written without braces: {{{found['name']}}} is a frame",
+            f"${found['name']}"
         )  # fmt: skip
     if line.is_motion and (found := _BLANK.search(line.bare)):
         end = found.end() + len(_TOKEN.match(line.bare[found.end() :])[0])  # type: ignore[index]  # a digit follows
         put = f"-{line.bare[found.end() : end]}"
-        return line.guess(found.start(), end, "the minus sign stands apart from its number", put)
+        return line.guess(found.start(), end, "the minus sign is separated from its number", put)
     if line.is_motion and (found := _PLUS.search(line.bare, line.behind)):
         number_ = found["number"]
         help_ = f"write {number_} for one value, or $(...) around a sum"
-        return line.guess(found.start(), found.end(), "a plus sign stands by itself", None, help_)
+        return line.guess(
+            found.start(), found.end(), "the plus sign is separated from its number", None, help_
+        )
     for at, text in _tokens(line):
         if is_number(text):
             continue
@@ -191,7 +194,7 @@ def _one(line: Line, at: int, text: str) -> Guess | None:
     end = at + len(text)
     if _MARKED.fullmatch(text):
         put = re.sub("['_]", "", text)
-        return line.guess(at, end, f"`{text}` is not a number: digits stand without marks between them", put)
+        return line.guess(at, end, f"`{text}` is not a number: digits are written without separators", put)
     if (
         (found := _WITH_UNIT.fullmatch(text))
         and found["unit"].lower() in UNITS
@@ -201,29 +204,29 @@ def _one(line: Line, at: int, text: str) -> Guess | None:
     if _LETTERS.fullmatch(text) and not is_number(text) and line.is_motion:
         put = text.translate(str.maketrans("OoIl", "0011"))
         if is_number(put):
-            return line.guess(at, end, f"`{text}` is not a number: a letter stands for a digit", put)
+            return line.guess(at, end, f"`{text}` is not a number: it has a letter in place of a digit", put)
     if line.is_motion and (found := re.fullmatch(r"(?P<signs>[-+]{2,})(?P<value>[0-9.]+)", text)):
-        help_ = f"write {found['value']} or -{found['value']}: a number has one sign"
+        help_ = f"write {found['value']} or -{found['value']}: a number can have only one sign"
         return line.guess(at, end, f"`{text}` is not a number", None, help_)
     if line.is_motion and re.fullmatch(r"[-+]?[0-9]+(?:\.[0-9]+){2,}", text):
         first, _, rest = text.partition(".")
         help_ = (
-            f"a number has one decimal point: write {first}.{rest.replace('.', '')}, or two numbers with a "
-            "blank between them"
+            f"a number can have only one decimal point: write {first}.{rest.replace('.', '')}, or two "
+            "numbers with a blank between them"
         )
         return line.guess(at, end, f"`{text}` is not a number", None, help_)
     if line.is_motion and text.upper() == "PI":
         return line.guess(
             at,
             end,
-            "`pi` is not a number: names have a `$` before them",
+            "`pi` is not a number: write `$` before a name",
             None,
             _half_turn(line.units.get("angle")),
         )
     if line.is_motion and _SUM.fullmatch(text) and _knows(line, text):
         put = f"$({text})"
-        return line.guess(at, end, f"`{text}` is not a number: a sum stands in $()", put)
-    if line.is_motion and any(text.upper() == one.upper() for one in line.around.declared.get("LET", ())):
+        return line.guess(at, end, f"`{text}` is not a number: a sum must be in $()", put)
+    if line.is_motion and text.upper() in line.around.numbers:
         return line.guess(at, end, f"`{text}` is not a number", f"${text}", f"write ${text} for its value")
     return None
 
@@ -237,7 +240,7 @@ def _half_turn(unit: str | None) -> str:
 
 def _knows(line: Line, text: str) -> bool:
     """Return True if all names of a sum are declared numbers."""
-    known = {one.upper() for one in line.around.declared.get("LET", ())} | {"PI"}
+    known = line.around.numbers | {"PI"}
     names = re.findall(r"[A-Za-z_][A-Za-z0-9_]*", text)
     return bool(names) and all(name.upper() in known for name in names)
 
@@ -251,19 +254,19 @@ def _with_unit(line: Line, at: int, text: str, found: re.Match[str]) -> Guess | 
             return line.guess(
                 at,
                 end,
-                f"`{text}` is no length of a BLEND: units stand in brackets after the command",
+                f"`{text}` is no length of a BLEND: units are written in brackets after the command",
                 value,
-                f"write BLEND {value}; the line's units have {unit} already",
+                f"write BLEND {value}; the line already has the unit {unit}",
             )
         return None
-    message = f"`{text}` is not a number: units stand in brackets, one for all values of their kind"
+    message = f"`{text}` is not a number: units are written in brackets, one for all values of their kind"
     if here == unit:
         return line.guess(
             at,
             end,
             message,
             value,
-            f"write {value}; the line's units have {unit} already, as in ({_units(line)})",
+            f"write {value}; the line already has the unit {unit}, as in ({_units(line)})",
         )
     if here is None:
         return line.guess(at, end, message, None, f"write {value}, and ({unit}) after the motion time")

@@ -61,13 +61,13 @@ def time(line: Line) -> Guess | None:
     if line.is_motion and (found := _TIME.search(line.bare, line.behind)):
         value = found["round"] or found["angle"] or found["equals"]
         return line.guess(
-            found.start("time"), found.end("time"), "a motion time stands in square brackets", f"[{value}]"
+            found.start("time"), found.end("time"), "a motion time must be in square brackets", f"[{value}]"
         )
     if line.is_motion and (found := _BARE.search(line.bare, line.behind)) and "[" not in line.bare:
         return line.guess(
             found.start("bare"),
             found.end("bare"),
-            "a motion time stands in square brackets",
+            "a motion time must be in square brackets",
             f"[{found['bare']}]",
         )
     if line.is_motion and "[" not in line.bare and (found := _BARE_SECONDS.search(line.bare, line.behind)):
@@ -82,11 +82,13 @@ def time(line: Line) -> Guess | None:
         if is_thousand(inside):
             help_ = f"write {inside.replace(',', '')}, or {value}"
             return line.guess(
-                at, at + len(inside), f"`{inside}` is not a number: digits stand without commas", None, help_
+                at,
+                at + len(inside),
+                f"`{inside}` is not a number: digits are written without commas",
+                None,
+                help_,
             )
-        return line.guess(
-            at, at + len(inside), f"`{inside}` is not a number: the decimal sign is a point", value
-        )
+        return line.guess(at, at + len(inside), f"`{inside}` is not a number: write a decimal point", value)
     if (speed := _SPEED.fullmatch(inside)) and inside.split() != ["V", speed["value"]]:
         per, value = speed["unit"] or speed["per"], speed["value"] or speed["alone"]
         if (
@@ -98,17 +100,17 @@ def time(line: Line) -> Guess | None:
             return line.guess(
                 begin,
                 end,
-                "a speed is written without its unit: units stand in brackets after it, and here they are "
-                f"({_units(line)})",
+                "a speed is written without its unit: the units are in brackets after it, and here they "
+                f"are ({_units(line)})",
                 None,
-                f"write [V {value}] in them",
+                f"write [V {value}] in these units",
             )
         return line.guess(
             begin,
             end,
-            "a speed is written with a blank, and without its unit"
+            "a speed is written [V 250]: V, a blank and the number; its units are those of the line"
             if per
-            else "a speed is V, a blank and a number",
+            else "a speed is written as V, a blank and a number",
             f"[V {value}]",
         )
     if (seconds := _SECONDS.fullmatch(inside)) and UNITS.get(seconds["unit"].lower()) is not None:
@@ -121,7 +123,7 @@ def _with_unit(line: Line, begin: int, end: int, found: re.Match[str]) -> Guess 
     unit, here = UNITS[_NAMES_OF_UNITS.get(written, written)], line.units.get("time")
     if unit.kind != "time" or not is_number(found["number"]):
         return None
-    message = "a motion time is a number without its unit: units stand in brackets after it"
+    message = "a motion time is a number without its unit: the units are in brackets after it"
     if here is None:
         return line.guess(begin, end, message, f"[{found['number']}] ({unit.name})")
     value = f"{float(found['number']) * unit.factor / UNITS[here].factor:.9g}"
@@ -135,7 +137,7 @@ def order(line: Line) -> Guess | None:
     if line.is_motion and (found := _BRACKETED_OPTION.search(line.bare, line.behind)):
         word = found["word"].upper()
         put = f"{word} {found['square'] or found['round']}"
-        message = f"the value of {word} has no brackets"
+        message = f"the value of {word} takes no brackets"
         if found["square"] and line.bare.count("[") == 1:
             # The brackets may be meant as the motion time, while the value of the option is missing.
             help_ = (
@@ -151,12 +153,12 @@ def order(line: Line) -> Guess | None:
             return line.guess(
                 at,
                 at + len(base),
-                f"{base} stands after values, time and units",
+                f"{base} must be after values, time and units",
                 None,
-                f"write {base} there: the moving frame alone stands before the values",
+                f"move {base} there: only the moving frame is written before the values",
             )
         return line.guess(
-            at, line.behind + found.end(), f"{base} stands after the values: it is the base frame", put
+            at, line.behind + found.end(), f"{base} is the base frame: it must be after the values", put
         )
     times = [one for one in _INSIDE.finditer(line.bare, line.behind) if not _is_name(one["inside"])]
     if len(times) > 1:
@@ -164,9 +166,9 @@ def order(line: Line) -> Guess | None:
         return line.guess(
             one.start(),
             one.end(),
-            f"a second motion time, {one[0]}: a command has one",
+            f"{one[0]} is a second motion time: a command has only one",
             None,
-            f"take {times[0][0]} or {one[0]} away",
+            f"remove {times[0][0]} or {one[0]}",
         )
     if found := _ORDER.search(line.bare, line.behind):
         before = line.bare[line.behind : found.start()]
@@ -176,7 +178,7 @@ def order(line: Line) -> Guess | None:
         return line.guess(
             found.start(),
             found.end(),
-            f"{motion_time} stands before units, base frame and options, not after {early}",
+            f"{motion_time} must be before units, base frame and options, not after {early}",
             f"{motion_time} {early}",
         )
     if found := re.match(
@@ -185,7 +187,7 @@ def order(line: Line) -> Guess | None:
         name = found["option"].split()[0].upper()
         return line.guess(
             line.behind + found.start("option"), line.behind + found.end("option"),
-                f"{name} can't stand before the values", None,
+                f"{name} isn't allowed before the values", None,
             f"write {found['option']} after values, time and units: options come last",
         )  # fmt: skip
     return None
@@ -200,22 +202,29 @@ def units(line: Line) -> Guess | None:
     if found := _UNITS_APART.search(line.bare, line.begin):
         names = re.split(r"[\s;/]+", found["units"])
         if all(name.lower() in UNITS for name in names):
+            if "/" in found["units"] and line.word.upper() == "LET":
+                begin = len(line.bare[: found.start()].rstrip())
+                message = "a speed is a plain number, whose units are those of its motion"
+                help_ = "remove them, and write [V $NAME] and the units in the motion"
+                return line.guess(begin, found.end(), message, "", help_)
             return line.guess(
-                found.start(), found.end(), "units have commas between them", f"({','.join(names)})"
+                found.start(), found.end(), "units are separated by commas", f"({','.join(names)})"
             )
     for found in _UNITS_ELSEWHERE.finditer(line.bare, line.behind):
         names = re.split(r"\s*[,;]\s*", found["units"])
         if (found["open"] != "(" or ";" in found["units"]) and all(name.lower() in UNITS for name in names):
             put = f"({','.join(names)})"
             return line.guess(
-                found.start(), found.end(), "units stand in round brackets, with commas between them", put
+                found.start(), found.end(), "units must be in round brackets, separated by commas", put
             )
     for found in _UNIT_LIST.finditer(line.bare, line.begin):
         for part in re.finditer(r"[A-Za-z]+", found["units"]):
             meant = _NAMES_OF_UNITS.get(part[0].lower())
             if meant is not None:
                 at = found.start("units")
-                return line.guess(at + part.start(), at + part.end(), f"`{part[0]}` is no unit", meant)
+                return line.guess(
+                    at + part.start(), at + part.end(), f"`{part[0]}` is no unit", meant, f"write `{meant}`"
+                )
     return None
 
 
@@ -228,7 +237,7 @@ def frame(line: Line) -> Guess | None:
             return None
         at = line.behind + found.start("name")
         return line.guess(
-            at, at + len(found["name"]), "a frame's name stands in braces", f"{{{found['name']}}}"
+            at, at + len(found["name"]), "the name of a frame must be in braces", f"{{{found['name']}}}"
         )
     if not line.is_motion:
         return None
@@ -241,13 +250,13 @@ def frame(line: Line) -> Guess | None:
         return line.guess(found.start(), found.end(), f"no frame is named {found[0]}", None, f"write {meant}")
     if (found := _SQUARE_FRAME.search(line.bare, line.behind)) and found["name"].upper() in names:
         put = f"{{{names[found['name'].upper()]}}}"
-        return line.guess(found.start(), found.end(), "a frame's name stands in braces", put)
+        return line.guess(found.start(), found.end(), "the name of a frame must be in braces", put)
     found = _ROUND_FRAME.search(line.bare, line.behind)
     if found is not None and found["name"].upper() in names and found["name"].lower() not in UNITS:
         return line.guess(
             found.start(),
             found.end(),
-            "a frame's name stands in braces",
+            "the name of a frame must be in braces",
             f"{{{names[found['name'].upper()]}}}",
         )
     for found in re.finditer(r"(?<=\s)[A-Za-z_][A-Za-z0-9_]*(?=\s|$)", line.bare[line.behind :]):
@@ -256,7 +265,7 @@ def frame(line: Line) -> Guess | None:
             at = line.behind + found.start()
             alone = not re.search(r"[0-9]", line.values)
             return line.guess(
-                at, at + len(name), f"a frame's name stands in braces, as {{{names[name]}}}",
+                at, at + len(name), f"the name of a frame must be in braces, as {{{names[name]}}}",
                 None if alone else f"{{{names[name]}}}",
                 f"write 0 0 0 0 0 0 {{{names[name]}}} to go where the frame is" if alone else "",
             )  # fmt: skip
@@ -271,7 +280,7 @@ def option(line: Line) -> Guess | None:
         return line.guess(
             found.start(),
             found.end("word"),
-            "BLEND has no length after it",
+            "BLEND needs a length or an angle",
             None,
             "write BLEND 5, with a length or an angle in the line's units",
         )
@@ -282,7 +291,7 @@ def option(line: Line) -> Guess | None:
             continue
         if "=" in found["rest"]:
             return line.guess(
-                found.start(), found.end(), f"{meant} has no equals sign", f"{meant} {found['value']}"
+                found.start(), found.end(), f"{meant} takes no equals sign", f"{meant} {found['value']}"
             )
         return line.guess(found.start(), found.end("word"), f"`{found['word']}` is no option", meant)
     return None

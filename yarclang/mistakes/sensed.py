@@ -24,13 +24,13 @@ def until(line: Line) -> Guess | None:
     if nothing := _NOTHING.search(line.bare, line.behind):
         inputs = line.around.declared.get("INPUT", ["TOUCH"])
         help_ = f"write UNTIL {inputs[0]}" if len(inputs) == 1 else f"the inputs are {', '.join(inputs)}"
-        return line.guess(nothing.start(1), nothing.end(1), "UNTIL takes an input", None, help_)
+        return line.guess(nothing.start(1), nothing.end(1), "UNTIL needs an input", None, help_)
     found = _UNTIL.search(line.bare, line.behind)
     if found is None or not _is_other(found):
         return None
     off = _is_off(found)
     put = f"{found['name']}{' OFF' * off}"
-    message = "UNTIL takes an input by its name, and OFF after the name to wait for OFF"
+    message = "UNTIL needs the name of an input, and OFF after it to wait for OFF"
     return line.guess(found.start("all"), found.end("all"), message, put, f"write UNTIL {put}")
 
 
@@ -46,7 +46,7 @@ def watch(line: Line) -> Guess | None:
     put = f"{found['name']} {state} HOLD"
     at = line.behind + found.start("all")
     end = line.behind + len(line.values.rstrip())
-    message = "ON wants an input, the state in which nothing may move, and HOLD"
+    message = "ON needs an input, the state in which nothing may move, and HOLD"
     sure = told and reaction in ("", "HOLD")  # other words may mean a stop that can't be resumed
     return line.guess(at, end, message, put if sure else None, f"write ON {put}")
 

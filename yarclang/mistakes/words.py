@@ -39,7 +39,9 @@ def suffix(line: Line) -> Guess | None:
         begin = line.behind + apart.start("suffix") if apart["sign"].isspace() else line.begin
         end = line.behind + apart.end()
         repaired = line.text[: line.begin] + name + line.text[end:]
-        return Guess(begin, end, f"a suffix belongs to its command: {name}", f"write {name}", repaired)
+        return Guess(
+            begin, end, f"a suffix is written directly after its command: {name}", f"write {name}", repaired
+        )
     own = [one for one in upper[len(base) :].split("_") if one]
     if not own:
         return None
@@ -60,7 +62,7 @@ def suffix(line: Line) -> Guess | None:
                 )
             )
             return line.guess(
-                line.begin, line.behind, f"the suffixes of {line.word} stand in the wrong order", name
+                line.begin, line.behind, f"the suffixes of {line.word} are in the wrong order", name
             )
         return None
     at = line.begin + upper.index(f"_{unknown[0]}", len(base))
@@ -85,14 +87,14 @@ def relative(line: Line) -> Guess | None:
     upper = line.word.upper()
     if (meant := _SAME.get(upper)) is not None:
         if len(line.values.split()) == _POSITION and all(map(is_number, line.values.split())):
-            help_ = f"write {meant} {line.values.strip()} 0 0 0: the way, then no turn"
+            help_ = f"write {meant} {line.values.strip()} 0 0 0: the increment, then no rotation"
             return line.guess(line.begin, line.behind, f"{line.word} is no command", meant, help_)
         return line.guess(line.begin, line.behind, f"{line.word} is no command", meant)
     if _RELATIVE.fullmatch(upper) and not (is_command(upper) and upper in commands()):
         return line.guess(
             line.begin, line.behind, f"{line.word} is no command", None,
-            "relative motions are DMOVE, by a way of the moving frame, and DMOVEJ, by angles of the "
-            "joints; MOVEL and MOVEJ are absolute",
+            "relative motions are DMOVE, for the moving frame, and DMOVEJ, for the joints; "
+            "MOVEL and MOVEJ are absolute",
         )  # fmt: skip
     return None
 

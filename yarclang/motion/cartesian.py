@@ -16,22 +16,31 @@ from yarclang.robot.kinematics.track import SAMPLES, Broken, Reason, Track, trac
 from yarclang.robot.model import Chain, Limits, Tolerance
 
 _LIKE = Tolerance()
-"""Weights of distance and angle, used to separate the miss along a path from the miss across it."""
+"""Tolerances of position and angle. Errors are divided by their tolerance, so that an error in position can
+be compared with an error in angle.
+"""
 
 _AT_ONCE = 8_192
-"""Places of a long path that are solved, or compared with it, at a time."""
+"""Number of samples of a long path that are processed at once: for inverse kinematics, or for the comparison
+of joint positions with the path.
+"""
 
 _MANY_LEGS = 512
-"""Number of legs above which a path is sampled at least once on each leg: fewer places wouldn't show its
-bends.
+"""Number of legs above which a path is sampled at least once on each leg. With fewer samples, bends could be
+missed.
 """
 
 _STILL = 1e-9
-"""Length below which a path counts as a pure turn [m]."""
+"""Length below which a path counts as a pure rotation [m]."""
+
+_ROUNDED, _TURNS = 1e-6, 1e-6
+"""If a path turns the frame by at least the angle `_TURNS` [rad], it counts as a pure rotation already below
+the length `_ROUNDED` [m]. This allows for coordinates that are rounded to four decimals of a millimetre.
+"""
 
 
 class FramePath(Protocol):
-    """A path of the moving frame over s from 0 to 1, in {B}."""
+    """A path of the moving frame in {B}; its parameter s goes from 0 to 1."""
 
     @property
     def length(self) -> float:
@@ -48,8 +57,8 @@ class FramePath(Protocol):
         ...
 
     def tangents(self, s: Array) -> Array:
-        """Return the frame's velocity per unit of s at N places s, as (N, 6): velocity of the origin [m] and
-        angular velocity [rad], in the axes of {B}.
+        """Return the derivatives of the frame's pose with respect to s at N places s, as (N, 6): of the
+        origin's position [m], and the rotation rate [rad]. Both are in the axes of {B}.
         """
         ...
 
@@ -58,8 +67,9 @@ class FramePath(Protocol):
 class CartesianPath:
     """A path of the moving frame, with the joint motion of the arm along it in one arm configuration.
 
-    `followed` are joint positions along the path without a jump. The joint position at any other place is the
-    inverse-kinematics solution nearest to them. `start` (n,) is the joint position at the start [rad or m].
+    `followed` has joint positions along the path, without jumps. At any other place, the joint position is
+    the inverse-kinematics solution nearest to them. `start` (n,) is the joint position at the start [rad or
+    m].
     """
 
     chain: Chain
@@ -70,16 +80,17 @@ class CartesianPath:
 
     @property
     def end(self) -> Array:
-        """The robot's position at s = 1 (n,) [rad or m]."""
+        """The joint position at s = 1, (n,) [rad or m]."""
         end: Array = self.followed.q[-1]
         return end
 
     @property
     def slope(self) -> Array:
-        """The largest absolute derivative of each joint with respect to s along the path, approximately
-        (n,) [rad or m].
+        """The approximate largest absolute derivative of each joint position with respect to s, (n,) [rad or
+        m].
         """
         track = self.followed
+        # Difference quotients between the places at which inverse kinematics was solved.
         slope: Array = (np.abs(np.diff(track.q, axis=0)) / np.diff(track.s)[:, None]).max(axis=0)
         return slope
 
@@ -90,14 +101,16 @@ class CartesianPath:
 
     @property
     def places(self) -> Array:
-        """Places s (k,) at which inverse kinematics was solved; they are denser where a joint turns
-        faster.
+        """The places s (k,) at which inverse kinematics was solved. They are closer together where a joint
+        turns faster.
         """
         return self.followed.s
 
     @property
     def extent(self) -> tuple[float, bool]:
-        """The length of the frame's path, and whether it is a pure turn; see `extent_of`."""
+        """The length of the frame's path [m, or rad for a pure rotation], and True for a pure rotation; see
+        `extent_of`.
+        """
         return extent_of(self.frame)
 
     def joints(self, s: Array) -> Array:
@@ -105,11 +118,11 @@ class CartesianPath:
         return joints_of([self], [s])[0]
 
     def deviation(self, q: Array, s: Array) -> tuple[float, float]:
-        """Return how far the moving frame leaves the path: the largest distance [m], and the largest angle
-        from the orientation on the path [rad].
+        """Return the largest deviation of the moving frame from the path: in position [m], and in angle
+        [rad].
 
-        A frame that is only early or late along the path doesn't count as off the path: the error of position
-        and orientation together is measured perpendicular to the path's tangent.
+        A frame that is only early or late along the path doesn't deviate from the path. Therefore only the
+        error perpendicular to the path's tangent counts.
 
         Args:
             q: (N, n) joint positions [rad or m].
@@ -121,7 +134,7 @@ class CartesianPath:
 def joints_of(paths: Sequence[CartesianPath], places: Sequence[Array]) -> list[Array]:
     """Return, for each path, the joint positions (N, n) at N places s on it.
 
-    All paths are solved together, with the same results as one by one.
+    Inverse kinematics is solved for all paths together; the results are the same as for each path by itself.
 
     Args:
         paths: paths of one arm and one moving frame.
@@ -141,7 +154,8 @@ def joints_of(paths: Sequence[CartesianPath], places: Sequence[Array]) -> list[A
 def deviations(
     paths: Sequence[CartesianPath], q: Sequence[Array], places: Sequence[Array]
 ) -> list[tuple[float, float]]:
-    """Return how far joint positions lead the moving frame off each path, as `CartesianPath.deviation` does.
+    """Return for each path the largest deviations of the moving frame from it, as `CartesianPath.deviation`
+    does.
 
     Args:
         paths: paths of one arm and one moving frame.
@@ -184,7 +198,7 @@ def _across(columns: Array, wanted: Array, tangent: Array) -> Array:
         # The sum of the cross products of the frames' axes is twice the sine of the angle between the frames.
         sine = (columns[:3, before] * wanted[:3, after] - columns[:3, after] * wanted[:3, before]).sum(axis=0)
         miss[3 + row] = sine / (2.0 * _LIKE.angle)
-    # Remove the component of the miss along the tangent.
+    # Remove the component of the error along the tangent.
     scaled = np.concatenate((tangent[:3] / _LIKE.position, tangent[3:] / _LIKE.angle))
     square = np.maximum((scaled * scaled).sum(axis=0), 1e-300)
     miss -= ((miss * scaled).sum(axis=0) / square) * scaled
@@ -194,11 +208,13 @@ def _across(columns: Array, wanted: Array, tangent: Array) -> Array:
 
 
 def extent_of(frame: FramePath) -> tuple[float, bool]:
-    """Return the length of a frame's path, and whether it is a pure turn.
+    """Return the length of a frame's path, and True for a pure rotation.
 
-    For a pure turn, return its angle [rad] and True, otherwise the distance of the origin [m] and False.
+    The length of a pure rotation is its angle [rad]. Otherwise it is the distance that the frame's origin
+    travels [m].
     """
-    return (frame.angle, True) if frame.length < _STILL else (frame.length, False)
+    still = _ROUNDED if frame.angle >= _TURNS else _STILL
+    return (frame.angle, True) if frame.length < still else (frame.length, False)
 
 
 def along(

@@ -22,22 +22,24 @@ from yarclang.motion.trials import Trial, Trials
 from yarclang.robot.model import Tolerance
 
 _FINE = 12
-"""Number of segments from which on a blend is within a few percent of the shortest one that the limits
-allow.
+"""If speeding up takes this number of segments, shorter segments aren't tried. Speeding up then takes at most
+a few percent longer than necessary.
 """
 
 _MANY = 100
-"""Number of segments above which ramps are determined only to one percent."""
+"""Number of segments above which the shortest ramps are searched only to within one percent."""
 
 _LITTLE = 0.002
-"""Share of the motion up to which ramps are short enough: finer segments would be many and gain nothing."""
+"""Share of the path's duration at full speed below which a ramp isn't shortened further. A shorter ramp would
+need many more segments for almost no gain.
+"""
 
 _FINEST = 0.002
-"""Segment time below which segments aren't made shorter to get shorter blends [s]."""
+"""Shortest segment time to which segments are halved to make the ramps shorter [s]."""
 
 _LEAST_SHARE = 0.02
-"""Least share of a speed that is tried. If a path nearly turns back on the spot, a smaller share would need
-too many segments.
+"""Least share of a speed that is tried. On a path that reverses almost on the spot, a smaller share would
+need too many segments.
 """
 
 
@@ -46,8 +48,8 @@ class CruiseBroken:
     """The reason why a motion can't have a requested speed.
 
     `broken` is the limit that the speed breaks, or None if the path is too short to reach the speed. `share`
-    is the largest share of the speed that was tried and works; 0 if no share from `_LEAST_SHARE` on works, or
-    if the path is too short.
+    is the largest share of the speed that was tried and works. It is 0 if no share down to `_LEAST_SHARE`
+    works, or if the path is too short.
     """
 
     broken: TooFast | None
@@ -55,10 +57,10 @@ class CruiseBroken:
 
 
 def full_time(path: CartesianPath, speed: Reading) -> float | None:
-    """Return the duration of a path at a speed [s]; None if the speed has another unit than the path's
-    length.
+    """Return the duration of a path at a given speed [s].
 
-    The length of a pure turn is an angle.
+    The result is None if the unit of the speed doesn't fit the path: a pure rotation needs an angle per time,
+    any other path a length per time.
     """
     way, turns = path.extent
     wanted = speed.angle if turns else speed.length
@@ -85,15 +87,16 @@ def at_speed(
     found = _tried(path, full, bounds, grid, tolerance)
     if isinstance(found, Curve | NotHeld):
         return found
-    # A path too short to reach its speed needs another law: no share of the speed helps.
+    # If the path is too short to reach its speed, the caller takes another kind of profile: don't search for
+    # a smaller speed.
     share = 0.0 if found is None else _share(path, full, bounds, grid, tolerance)
     return CruiseBroken(found, share)
 
 
 def cruise_law(segments: float) -> Law:
-    """Return the motion profile whose cruise would take the whole path in `segments` segments.
+    """Return the motion profile that would take `segments` segments for the whole path at its cruise speed.
 
-    The segments beyond this number are for speeding up and slowing down.
+    The profile has more segments: the additional ones are for speeding up and slowing down.
     """
 
     def forms(number: int) -> NDArray[np.int64]:
@@ -110,18 +113,19 @@ def cruise_law(segments: float) -> Law:
 def fewest_at_speed(
     trials: Trials, cruise: float, segment: float, *, any_ramps: bool = False
 ) -> Trial | None:
-    """Return the trial with the shortest ramps that keep the limits, for a motion profile of
+    """Return the trial with the shortest ramps that keep the limits, for the motion profile
     `cruise_law(cruise)`.
 
     Args:
         trials: the trials of the path with this profile.
-        cruise: number of segments that the whole path would take at the speed.
+        cruise: number of segments that the whole path would take at cruise speed.
         segment: duration of the segments [s].
-        any_ramps: True to try only the gentlest ramps, if the result won't be executed.
+        any_ramps: True to try only the gentlest ramps, for a result that won't be executed.
 
     Returns:
         The trial; None if there is no room for such ramps.
     """
+    # Limits of the search: the shortest ramps, and ramps so long that no cruise is left between them.
     least, most = math.ceil(cruise + FEWEST_IN_BLEND), math.floor(2.0 * cruise)
 
     def tried(blend: int) -> Trial | None:
@@ -142,33 +146,34 @@ def _is_too_short(trials: Trials, duration: float) -> bool:
     """Return True if no motion within the limits of acceleration and jerk can go from rest to rest in a
     duration [s].
 
-    Only the two ends of the path are considered, not its form.
+    Only the ends of the path are considered, not its form.
     """
     way, bounds = np.abs(trials.path.end - trials.path.start), trials.bounds
-    # The fastest law without pauses has jerk up, down, down and up, each for a quarter of the time.
+    # The fastest such motion has positive, negative, negative and positive jerk, each for a quarter of the
+    # time.
     most = np.minimum(bounds.jerk * (duration**3 / 32.0), bounds.acceleration * (duration**2 / 4.0))
     return bool((way > (1.0 + 1e-6) * most).any())
 
 
 def fewest(tried: Callable[[int], Trial | None], least: int, most: int) -> Trial | None:
-    """Return the trial for the smallest number of segments, from `least` to `most`, for which there is one.
+    """Return the trial with the smallest number of segments, from `least` to `most`, for which `tried`
+    returns a trial.
 
-    Large numbers are determined only roughly. From some number on, all numbers must have a trial, so that
-    bisection applies.
+    Large numbers are found only roughly. The search assumes that all larger numbers have a trial if one has.
     """
-    # Grow the number until one works, then bisect between it and the last one that doesn't.
-    size, before, found = least, least - 1, None
-    while size <= most and (found := tried(size)) is None:
+    # Increase the number until one works. Then bisect between this number and the last one that failed.
+    size, before, fastest = least, least - 1, None
+    while size <= most and (fastest := tried(size)) is None:
         if size == most:
             return None
         before, size = size, min(most, math.ceil((1.3 if size < _MANY else 3.0) * size))
-    while found is not None and size - before > max(1.0, size / _MANY):
+    while fastest is not None and size - before > max(1.0, size / _MANY):
         middle = (size + before) // 2
         if (better := tried(middle)) is not None:
-            found, size = better, middle
+            fastest, size = better, middle
         else:
             before = middle
-    return found
+    return fastest
 
 
 def _tried(
@@ -186,12 +191,13 @@ def _tried(
         can_be_finer = finer >= max(grid.smallest, _FINEST)
         trial = fewest_at_speed(trials, full / segment, segment, any_ramps=any_ramps)
         if trial is None:
-            # If the ramps have enough room, coarse segments aren't the reason.
+            # If the ramps have enough segments, finer segments won't help.
             has_room = full / segment > 2 * _FINE
             if not can_be_finer or (refused and has_room):
                 return _cause(trials, full / segment, segment)
             refused, segment = has_room, finer
             continue
+        # If the curve is too far from the path, take as many segments as the tolerance needs.
         more = trials.segments_for_tolerance(trial)
         if more is not None:
             segment = grid.nearest(segment * trial.segments / more)
@@ -202,6 +208,7 @@ def _tried(
         if steadier is not None and grid.nearest(steadier) >= grid.smallest:
             segment = grid.nearest(steadier)
             continue
+        # Ramps are rounded up to whole segments, so finer segments make them shorter.
         is_short = trial.form[0] >= _FINE or trial.form[0] * segment <= _LITTLE * full
         if is_short or not can_be_finer:
             return curve_of(trial, segment)
@@ -210,13 +217,16 @@ def _tried(
 
 
 def _cause(trials: Trials, cruise: float, segment: float) -> TooFast | None:
-    """Return the limit that the cruise itself breaks, found with the gentlest ramps; None if only the ramps
-    break a limit because they are too short.
+    """Return the limit that the cruise itself breaks. It is found with the gentlest ramps.
+
+    The result is None if only the ramps break a limit because they are too short.
     """
     if math.floor(2.0 * cruise) < cruise + FEWEST_IN_BLEND:
         return None
     if trials.is_slow(math.floor(2.0 * cruise), segment):
         return None
+    # With the gentlest ramps, the motion has 2 * `cruise` segments and no cruise between its ramps. If it
+    # still exceeds a speed limit, the requested speed is too high.
     trial = trials.fastest(math.floor(2.0 * cruise))
     speeds = [one for one in trial.demands if one.kind in ("velocity", "motor speed", "zone speed")]
     demand = max(speeds, key=lambda one: one.segment)
@@ -224,11 +234,12 @@ def _cause(trials: Trials, cruise: float, segment: float) -> TooFast | None:
 
 
 def _share(path: Path, full: float, bounds: Bounds, grid: Grid, tolerance: Tolerance) -> float:
-    """Return the largest share of a requested speed that works, to within half a percent; 0 if none from
-    `_LEAST_SHARE` on does.
+    """Return the largest share of a requested speed that works, to within half a percent; 0 if no share down
+    to `_LEAST_SHARE` works.
     """
     low, high = 0.0, 1.0
     for _ in range(16):
+        # Go down in large steps until a share works; then bisect.
         middle = 0.5 * (low + high) if low else max(0.3 * high, _LEAST_SHARE)
         if isinstance(_tried(path, full / middle, bounds, grid, tolerance, any_ramps=True), Curve):
             low = middle

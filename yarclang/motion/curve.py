@@ -22,8 +22,8 @@ from yarclang.frozen import frozen
 from yarclang.hir import Array
 
 FEWEST_SEGMENTS = 4
-"""Least number of segments: with fewer, no control point is left between the three at the start and the three
-at the end.
+"""Least number of segments. With fewer, no control point would be left between the three at the start and the
+three at the end.
 """
 
 
@@ -32,8 +32,8 @@ class Curve:
     """A motion from rest to rest, as a cubic B-spline over uniform segments.
 
     `points` (n + 3, d) are the control points [rad or m], and `segment` is the duration h of a segment [s].
-    `law` (n + 3,) are control values of the share of the path that is done, from which the points were
-    computed.
+    `law` (n + 3,) are the control values of the B-spline that gives the share of the path completed at each
+    time; the points were computed from it.
     """
 
     points: Array
@@ -47,7 +47,7 @@ class Curve:
 
     @property
     def duration(self) -> float:
-        """The duration n h [s]."""
+        """The duration n h of the motion [s]."""
         return self.segments * self.segment
 
     def sample(self, times: Array) -> tuple[Array, Array, Array]:
@@ -65,7 +65,7 @@ class Curve:
 
 
 class Sampler:
-    """Sampler of many curves at once: the cost of a sample doesn't depend on the number and length of the
+    """Sampler of many curves at once. The time for a sample doesn't depend on the number and length of the
     curves.
     """
 
@@ -77,9 +77,9 @@ class Sampler:
         self._segment = np.array([curve.segment for curve in curves])
 
     def sample(self, number: NDArray[np.intp], times: Array) -> tuple[Array, Array, Array]:
-        """Compute position, velocity and acceleration of the joints, each sample on its own curve.
+        """Compute position, velocity and acceleration of the joints. Each sample has its own curve.
 
-        The results have the same bits as those of `Curve.sample`.
+        The results are identical to those of `Curve.sample` to the last bit.
 
         Args:
             number: (N,) the index of the curve of each sample.
@@ -117,7 +117,7 @@ def _values(
 
 
 def knot_values(points: Array) -> Array:
-    """Return the values of a curve at its knots 0 to n, (n + 1, ...), from its control points (n + 3,
+    """Return the values of a curve at its knots 0 to n, (n + 1, ...). `points` are its control points (n + 3,
     ...).
     """
     values: Array = (points[:-2] + 4.0 * points[1:-1] + points[2:]) / 6.0
@@ -128,6 +128,7 @@ def middle_values(points: Array) -> Array:
     """Return the values of a curve in the middle of its n segments, (n, ...), from its control points (n +
     3, ...).
     """
+    # Basis functions of the uniform cubic B-spline in the middle of a segment: 1, 23, 23 and 1, over 48.
     values: Array = (points[:-3] + 23.0 * (points[1:-2] + points[2:-1]) + points[3:]) / 48.0
     return values
 
@@ -135,8 +136,8 @@ def middle_values(points: Array) -> Array:
 def through_knots(inner: Array, start: Array, end: Array) -> Array:
     """Return the control points of the curve that passes through given positions at the knots 2 to n - 2.
 
-    The curve starts at rest at knot 0 and ends at rest at knot n. At knots 1 and n - 1 no positions can be
-    prescribed; there the curve follows the path only as accurately as the motion profile is smooth.
+    The curve starts at rest at knot 0 and ends at rest at knot n. Positions at knots 1 and n - 1 can't be
+    prescribed. There the curve is only close to the path; it is closer if the motion profile is smoother.
 
     Args:
         inner: (n - 3, d), the positions at knots 2 to n - 2.
@@ -146,7 +147,7 @@ def through_knots(inner: Array, start: Array, end: Array) -> Array:
     Returns:
         (n + 3, d) control points.
     """
-    # 6 x[k] = f[k] + 4 f[k+1] + f[k+2], with the known control points moved to the right side.
+    # 6 x[k] = f[k] + 4 f[k+1] + f[k+2]: move the known control points to the right-hand side.
     right = 6.0 * inner
     right[0] -= start
     right[-1] -= end
@@ -158,9 +159,9 @@ def solve_tridiagonal(diagonal: Array, beside: Array, right: Array) -> Array:
     """Solve a symmetric, positive definite tridiagonal system.
 
     Args:
-        diagonal: (m,), m at least 1.
-        beside: (m - 1,), the values next to the diagonal.
-        right: (m, d) right sides.
+        diagonal: (m,) the diagonal; m is at least 1.
+        beside: (m - 1,) the values next to the diagonal.
+        right: (m, d) right-hand sides.
 
     Returns:
         The solutions (m, d).

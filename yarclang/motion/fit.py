@@ -1,7 +1,7 @@
 """Fit a motion profile along a path to the controller's segments.
 
-This module chooses the number of segments, the form of the profile and the segment time. If a given time or
-speed asks for too much, the result names one that works.
+This module chooses the number of segments, the form of the profile and the segment time. If a given duration
+is too short, the result contains a duration that works.
 """
 
 from __future__ import annotations
@@ -21,40 +21,46 @@ from yarclang.motion.trials import MANY_SEGMENTS, Trial, Trials, find_deviations
 from yarclang.robot.model import Tolerance
 
 MORE_SEGMENTS = 4
-"""Numbers of segments beyond the fewest that are tried for the shortest time: blends and ramps take integer
-numbers of segments.
+"""Number of additional segments that are tried for the shortest duration. Blends and ramps take integer
+numbers of segments, so the fewest segments aren't always the fastest.
 """
 
 MOST_MORE = 3 * MORE_SEGMENTS
-"""Numbers of segments that are tried for a given time: enough to find each shortest time again."""
+"""Number of additional segments that are tried for a given duration. With this number, the curve is found
+even if the given duration is the shortest one.
+"""
 
 FEW_SEGMENTS = 100
-"""Number of segments up to which solving several trials together takes hardly longer than solving one."""
+"""Number of segments up to which solving several trials together takes hardly longer than solving one of
+them.
+"""
 
 _ROUNDS = 8
 """Largest number of rounds in which the number of segments is chosen anew, each time for the duration that
-the last round needs.
+was required in the round before.
 """
 
 _MUCH = 1.5
-"""Factor by which a duration must exceed that of the law, in addition to `_FEW`, to be much longer."""
+"""Factor in the duration above which a curve counts as much slower than its motion profile: `_MUCH` times the
+profile's duration, plus `_FEW` [s].
+"""
 
 _FEW = 0.02
-"""See `_MUCH` [s]: a few segments more are usual."""
+"""Difference of two durations that a few additional segments explain [s]; see `_MUCH`."""
 
 MOST_SEGMENTS = 100_000
-"""Number of segments above which a motion is refused (83 minutes at 50 ms): near a singularity the shortest
-time has no bound.
+"""Largest number of segments of a motion (83 minutes at 50 ms). A longer motion is refused: near a
+singularity, there is no bound for the shortest duration.
 """
 
 
 @frozen
 class TooFast:
-    """A motion that breaks a limit in its given time.
+    """A motion that breaks a limit in its given duration.
 
-    `share` is the used share of the limit (1 is all of it). The excess is at the time `time` [s] and the
-    place `s` of the path. `shortest` [s] is a duration that was tried and works, infinite if none does.
-    `demand` is None if only the controller's segments are too coarse.
+    `share` is the required multiple of the limit (1 is exactly the limit). The excess is at the time `time`
+    [s] and the place `s` of the path. `shortest` [s] is a duration that was tried and works, infinite if none
+    does. `demand` is None if only the controller's segments are too coarse.
     """
 
     demand: Demand | None
@@ -66,8 +72,8 @@ class TooFast:
 
 @frozen
 class NotHeld:
-    """A path that can't be followed within the tolerance, with the errors [m] and [rad] that remain with the
-    shortest segments.
+    """A path that can't be followed within the tolerance, with the errors in position [m] and angle [rad]
+    that the shortest segments leave.
     """
 
     position: float
@@ -77,9 +83,7 @@ class NotHeld:
 
 @frozen
 class TooLong:
-    """A motion that would need more segments than are ever planned, since it takes at least `duration`
-    [s].
-    """
+    """A motion that needs more than `MOST_SEGMENTS` segments. It takes at least `duration` [s]."""
 
     duration: float
 
@@ -122,7 +126,7 @@ def fit(
     fitted = fitter.in_time(duration)
     if not isinstance(fitted, TooFast):
         return fitted
-    # The given time is too short: find the shortest one, so that the finding can propose it.
+    # The given duration is too short: find the shortest one, which the finding proposes.
     fastest = fitter.shortest()
     if isinstance(fastest, NotHeld):
         return fastest
@@ -132,8 +136,8 @@ def fit(
 
 
 def look_ahead(work: Sequence[tuple[Trials, Profile]], grid: Grid) -> None:
-    """Make the trials for the shortest durations of several motions together, so that later calls of `fit`
-    find them done.
+    """Make the trials for the shortest durations of several motions together. Later calls of `fit` use these
+    trials.
 
     Args:
         work: for each motion, its trials and its profile; all paths are of one arm and one moving frame.
@@ -143,6 +147,7 @@ def look_ahead(work: Sequence[tuple[Trials, Profile]], grid: Grid) -> None:
     segments = [MANY_SEGMENTS] * len(fitters)
     needed = [fitter.needed_at_least() for fitter in fitters]
     for _ in range(_ROUNDS):
+        # Continue with motions whose estimated number of segments still changes.
         going = [
             place for place, least in enumerate(needed) if least != segments[place] and least <= MOST_SEGMENTS
         ]
@@ -178,8 +183,8 @@ def look_ahead(work: Sequence[tuple[Trials, Profile]], grid: Grid) -> None:
 class _Fitter:
     """Search for the curve of one motion.
 
-    `grid` are the segment times that the controller accepts. `quick` is limited to segments short enough to
-    rate the shortest duration.
+    `grid` has the segment times that the controller accepts. `quick` has only those that are used in
+    the search for the motion's shortest duration (`Profile.longest_segment`).
     """
 
     trials: Trials
@@ -222,15 +227,15 @@ class _Fitter:
                 fewest = segments = better
                 continue
             refusal = refusal or refusal_of(trial, demand, segment)
-            # Far from keeping the limit: a few segments more won't help.
+            # The limit is exceeded by far: a few more segments won't help.
             if demand.segment > (1.25 if segments > 2 * MOST_MORE else 1.6) * segment:
                 break
             segments += 1
         return refusal or TooFast(None, math.inf, 0.0, 0.0, math.inf)
 
     def stretched(self, segments: int, segment: float) -> Trial | None:
-        """Stretch the profile of the shortest duration to `segments` segments, and return its trial; None if
-        the trial breaks a limit.
+        """Stretch the motion profile of the shortest duration to `segments` segments, and return its trial.
+        The result is None if the trial breaks a limit.
         """
         found = self.shortest_trial()
         if isinstance(found, NotHeld | TooLong):
@@ -246,7 +251,7 @@ class _Fitter:
         return found if isinstance(found, NotHeld | TooLong) else found[0]
 
     def shortest_trial(self) -> tuple[Curve, Trial] | NotHeld | TooLong:
-        """Return the curve of the shortest duration, and its trial. The search is made only once."""
+        """Return the curve of the shortest duration, and its trial. The result of the search is stored."""
         if self._shortest is None:
             self._shortest = self._coarser(self._search())
         return self._shortest
@@ -258,13 +263,14 @@ class _Fitter:
         `found`.
 
         This is tried only if `found` is much slower than the motion profile allows. Near a singularity, short
-        segments follow peaks of joint speed that longer ones pass over within the tolerance.
+        segments follow peaks of joint speed. Longer segments cut off these peaks within the tolerance.
         """
         least = self.trials.law.shortest
         if least is None or (isinstance(found, tuple) and found[0].duration <= _MUCH * least + _FEW):
             return found
         segments = self.quick.fewest(least)
         while segments > FEWEST_SEGMENTS:
+            # Try half the number of segments, each twice as long, then a quarter, and so on.
             segments = max(FEWEST_SEGMENTS, segments // 2)
             trial = self.best_of(segments)
             segment = self.quick.not_below(trial.demand.segment)
@@ -282,40 +288,41 @@ class _Fitter:
                 break
             segments = needed
             if segments <= FEW_SEGMENTS and not self.trials.path.is_straight_in_joints:
-                # Compute several numbers of segments together: this costs little more than the first of them
+                # Compute several numbers of segments together: this takes hardly longer than the first one
                 # alone.
                 self.trials.fastest_of(self.compared(segments))
             needed = self.needed(self.trials.fastest(segments))
         while segments <= MOST_SEGMENTS:
             best = self.best_of(segments)
             if self.quick.not_below(best.demand.segment) > self.grid.largest:
-                # Near a singularity, more segments find a higher peak: take as many as it needs.
+                # Near a singularity, shorter segments follow a higher peak of speed: take as many segments as
+                # the peak needs.
                 segments = max(segments + MORE_SEGMENTS + 1, self.needed(best))
                 continue
             better = self.trials.segments_for_tolerance(best)
             if better is None:
                 return curve_of(best, self.quick.not_below(best.demand.segment)), best
             shortest = best.segments * max(best.demand.segment, self.quick.smallest)
-            # Holding the path would need segments shorter than the controller's smallest, or a much longer
-            # motion.
+            # Following the path would need segments shorter than the controller's smallest, or a motion that
+            # takes much longer.
             if better * self.quick.smallest > 2.0 * shortest:
                 return NotHeld(*self.trials.deviation(best), self.quick.smallest)
             segments = better
         return TooLong(segments * self.quick.largest)
 
     def needed(self, trial: Trial) -> int:
-        """Return the fewest segments for the duration that a trial needs to keep the limits."""
+        """Return the fewest segments for the duration in which a trial keeps the limits."""
         return self.quick.fewest(trial.segments * max(trial.demand.segment, self.quick.smallest))
 
     def best_of(self, segments: int) -> Trial:
-        """Return the fastest trial among a few numbers of segments, from `segments` on.
+        """Return the fastest trial among several numbers of segments, from `segments` on.
 
-        If possible, the trial's segments aren't too long for the controller.
+        Trials whose segments aren't too long for the controller are preferred.
         """
         numbers = self.compared(segments)
         if self.profile.is_stretched and self.trials.path.is_straight_in_joints:
-            # The needs of other numbers are known without their control points, so many numbers can be
-            # compared.
+            # Segment times can be estimated for many numbers of segments without control points: compare more
+            # numbers.
             numbers = self._likeliest(range(segments, segments + max(MORE_SEGMENTS, segments // 4) + 1))
         trials = self.trials.fastest_of(numbers)
 
@@ -328,14 +335,15 @@ class _Fitter:
     def compared(self, segments: int) -> range:
         """Return the numbers of segments to compare, from `segments` on.
 
-        For a profile without blends and ramps this is one number, since nothing is rounded to whole segments.
+        For a profile without blends and ramps this is one number, since no part of it is rounded to whole
+        segments.
         """
         more = MORE_SEGMENTS if self.trials.law.forms(segments).shape[1] else 0
         return range(segments, segments + more + 1)
 
     def _likeliest(self, numbers: range) -> range:
-        """Return the one of several numbers of segments that gives the shortest duration, as a range; for a
-        straight line in joint space.
+        """Return the number of segments that gives a straight line in joint space the shortest duration. The
+        result is a range of length 1.
         """
         least = self.trials.foreseen_least(self.trials.fastest(numbers[0]), numbers)
         durations = [
@@ -345,9 +353,10 @@ class _Fitter:
         return range(best, best + 1)
 
     def usable(self, duration: float) -> float:
-        """Return a duration with few digits, not shorter than `duration` [s], in which the motion can be
+        """Return a duration with few digits that is at least `duration` [s], in which the motion can be
         planned.
         """
+        # Round to milliseconds, or to three significant digits if this is finer.
         digits = max(3, 2 - math.floor(math.log10(max(duration, 1e-9))))
         step = 10.0**-digits
         for _ in range(60):
@@ -365,12 +374,14 @@ def curve_of(trial: Trial, segment: float) -> Curve:
 
 
 def refusal_of(trial: Trial, demand: Demand, segment: float) -> TooFast:
-    """Return which limit a trial breaks at a segment time [s], where, and by how much; `shortest` isn't
-    known yet.
+    """Return the limit that a trial breaks at a segment time [s], with the place and the amount. `shortest`
+    isn't known yet.
     """
     order = {"velocity": 1, "motor speed": 1, "zone speed": 1, "acceleration": 2, "jerk": 3}[demand.kind]
     # A difference of order r from control point i on belongs to knot i + r/2 - 1, since control points are
     # one knot ahead.
     knot = min(max(demand.at + order / 2.0 - 1.0, 0.0), float(trial.segments))
     s = float(np.interp(knot, np.arange(trial.segments + 1), knot_values(trial.control)))
+    # A derivative of order r scales with 1 / h^r, so the required multiple of the limit is (needed h / given
+    # h)^r.
     return TooFast(demand, (demand.segment / segment) ** order, knot * segment, s, math.inf)

@@ -1,4 +1,6 @@
-"""Compute the segment times at which the control points of a curve keep the limits of joints and motors."""
+"""Compute the shortest segment times with which the control points of a curve keep the limits of joints and
+motors.
+"""
 
 from __future__ import annotations
 
@@ -19,8 +21,8 @@ from yarclang.robot.model import Robot
 
 LimitKind = Literal["velocity", "motor speed", "acceleration", "jerk", "zone speed"]
 
-# Shares of the limits that may be lost by printing the control points with finitely many decimals. The
-# backend chooses the decimals so that these shares suffice.
+# Shares of the limits that are held in reserve, since control points are printed with finitely many decimals.
+# The backend chooses the decimals so that these reserves suffice.
 HEADROOM: dict[LimitKind, float] = {
     "velocity": 2e-4,
     "motor speed": 2e-4,
@@ -32,11 +34,11 @@ HEADROOM: dict[LimitKind, float] = {
 
 @frozen
 class Demand:
-    """The shortest segment time with which control points keep one limit, and where they need it.
+    """The shortest segment time with which control points keep one limit, and the place that determines it.
 
-    `segment` [s] is this time. `row` is the joint, or the motor for `motor speed`; `at` is the first control
-    point of the most demanding difference. For a `zone speed`, `watch` is the watched item of the slow zone,
-    and there is no row.
+    `segment` [s] is this time. `row` is the index of the joint, or of the motor for `motor speed`. `at` is
+    the first control point of the largest difference. For a `zone speed`, `watch` is the watched item of the
+    slow zone, and `row` is meaningless.
     """
 
     kind: LimitKind
@@ -87,10 +89,11 @@ class Bounds:
         return replace(self, jerk=np.full_like(self.jerk, np.inf))
 
     def demands(self, points: Array) -> tuple[Demand, ...]:
-        """Return, for each kind of limit, the shortest segment time with which control points (N, n) keep it,
-        by the convex hull property.
+        """Return, for each kind of limit, the shortest segment time with which control points (N, n) keep the
+        limit, by the convex hull property.
 
-        Slow zones come last, and are included only if they need the longest segments.
+        The last item is for slow zones. It is included only if the zones need longer segments than all other
+        limits.
         """
         first = np.diff(points, axis=0)
         second = np.diff(first, axis=0)
@@ -121,9 +124,12 @@ class Bounds:
 def _demand(kind: LimitKind, differences: Array, limit: Array, order: int) -> Demand:
     shares = np.abs(differences) / limit
     at, row = divmod(int(np.argmax(shares)), shares.shape[1])
-    # A difference of order k over h^k is the derivative: the least h is the k-th root of difference over
-    # limit.
-    return Demand(kind, float(shares[at, row] ** (1.0 / order)), row, at)
+    # Of joints whose shares differ only by rounding, name the first, so that all processors name the same
+    # joint.
+    row = int(np.argmax(shares[at] >= shares[at, row] * (1.0 - 1e-9)))
+    # The derivative is a difference of order k, divided by h^k. The least h is therefore the k-th root of
+    # difference over limit.
+    return Demand(kind, float(shares[at].max() ** (1.0 / order)), row, at)
 
 
 def bounds_of(robot: Robot) -> Bounds:
@@ -149,8 +155,8 @@ class Grid:
     quantum: float
 
     def fewest(self, duration: float) -> int:
-        """Return the fewest segments for a motion of `duration` [s]; none may be longer than the largest
-        segment time.
+        """Return the fewest segments for a motion of `duration` [s] with which no segment is longer than
+        `largest`.
         """
         return max(FEWEST_SEGMENTS, int(np.ceil(duration / self.largest - 1e-9)))
 
@@ -159,8 +165,8 @@ class Grid:
         return round(segment / self.quantum) * self.quantum
 
     def not_below(self, segment: float) -> float:
-        """Return the least segment time that the controller can represent and that isn't below `segment` [s]
-        or the smallest one [s].
+        """Return the shortest segment time [s] that the controller accepts and that is at least `segment`
+        [s].
         """
         steps = np.ceil(max(segment, self.smallest) / self.quantum - 1e-6)
         return float(steps * self.quantum)

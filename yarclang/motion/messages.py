@@ -25,20 +25,20 @@ from yarclang.written import slower, stretch_fix
 
 
 def no_motion(origin: Origin) -> Message:
-    """Return the finding that a motion leads to the robot's present position."""
-    message = "the robot stands at the target already: nothing moves"
-    return "Y0603", message, origin.span, "take the command away, or check its target", None
+    """Return the finding that a motion ends at the position at which it begins."""
+    message = "the robot is already at the target, so nothing moves"
+    return "Y0603", message, origin.span, "remove the command, or check its target", None
 
 
 def too_fast(robot: Robot, fitted: TooFast, grid: Grid, step: Motion, near: Nearest | None = None) -> Message:
-    """Return the finding that a motion breaks a limit in its given time."""
+    """Return the finding that a motion breaks a limit in its given duration."""
     origin = step.origin
     shortest = f"{fitted.shortest:.10g} s"
     fix = None
     if math.isinf(fitted.shortest):
         help_ = (
-            f"no time works: not even {MOST_SEGMENTS:,} segments; the path passes too near a singularity, "
-            "go round it"
+            f"no duration works, not even {MOST_SEGMENTS:,} segments: the path passes too near a "
+            "singularity, so choose another path"
         )
     elif origin.time_span is not None:
         factor = UNITS[origin.time_unit].factor
@@ -46,19 +46,19 @@ def too_fast(robot: Robot, fitted: TooFast, grid: Grid, step: Motion, near: Near
         shortest = f"[{text}] ({origin.time_unit})"
         fix = Fix(f"write [{text}]", (Edit(origin.time_span, f"[{text}]"),))
     if math.isfinite(fitted.shortest):
-        help_ = f"the shortest time that works is {shortest}; [MIN] takes the shortest there is"
+        help_ = f"the shortest time that works is {shortest}; [MIN] always takes the shortest"
     span = origin.time_span or origin.span
     demand = fitted.demand
     code = "Y0912" if demand is not None and demand.watch is not None else "Y0601"
     if demand is None:
         message = (
-            f"this duration can't be divided into segments: the controller takes {FEWEST_SEGMENTS} or more, "
-            f"of {grid.smallest / MS:.4g} to {grid.largest / MS:.4g} ms"
+            "the given time is too short or too long for the controller, which needs at least "
+            f"{FEWEST_SEGMENTS} segments of {grid.smallest / MS:.4g} to {grid.largest / MS:.4g} ms"
         )
         return "Y0601", message, span, help_, fix
     message = (
         f"{_excess(robot, step, demand, fitted.share)}, {fitted.time:.3g} s after the start "
-        f"({fitted.s * 100:.3g} % of the way)"
+        f"({fitted.s * 100:.3g} % of the path)"
     )
     if near is not None:
         message += f"; {_beside(robot, near)}"
@@ -72,51 +72,52 @@ def timetable_refused(robot: Robot, refused: Refused, step: TimedMove, stretch: 
         robot: the robot.
         refused: the reason.
         step: the motion.
-        stretch: the smallest factor after STRETCH, by which all times grow, that works; or None.
+        stretch: the smallest factor of STRETCH that works (all times are multiplied by it); None if none
+            was found.
     """
     origin = step.origin
     when = "" if isinstance(refused, TooShort) else f"{refused.time:.4g} s after the start"
     if isinstance(refused, TooShort):
-        code, other = "Y0617", ""
+        code, more = "Y0617", ""
         message = (
-            f"the timetable lasts {refused.duration:.4g} s; the fewest segments, {FEWEST_SEGMENTS}, last "
-            f"{refused.shortest:.4g} s"
+            f"the timetable lasts {refused.duration:.4g} s, but the controller needs at least "
+            f"{FEWEST_SEGMENTS} segments, which last {refused.shortest:.4g} s"
         )
     elif isinstance(refused, Broken):
         code = "Y0912" if refused.demand.watch is not None else "Y0616"
         message = f"{_excess(robot, step, refused.demand, refused.share)}, {when}"
-        other = ""
+        more = ""
     else:
         name, unit = robot.joint_names[refused.joint], robot.axis_unit_names[refused.joint]
         factor = robot.axis_units[refused.joint]
         code = "Y0617"
         message = (
             f"{name} would be {refused.off / factor:.3g} {unit} from the path of the timetable, {when}, "
-            f"with the shortest segments of {refused.segment / MS:.4g} ms; allowed are "
-            f"{step.within[refused.joint] / factor:.3g} {unit}"
+            f"even with the shortest segments ({refused.segment / MS:.4g} ms); "
+            f"{step.within[refused.joint] / factor:.3g} {unit} are allowed"
         )
-        other = "; or allow more with TOL"
+        more = "; or allow more with TOL"
     if stretch is None:
         return (
             code,
             message,
             origin.span,
-            f"no STRETCH is found that works: look at positions, velocities and accelerations there{other}",
+            f"no STRETCH that works was found: check positions, velocities and accelerations there{more}",
             None,
         )
-    help_ = f"the shortest STRETCH that works is {stretch:.10g}{other}"
+    help_ = f"the shortest STRETCH that works is {stretch:.10g}{more}"
     return code, message, origin.span, help_, stretch_fix(step, stretch)
 
 
 def _excess(robot: Robot, step: Motion, demand: Demand, used_share: float) -> str:
-    """Return a clause that names the joint, motor or zone whose limit is broken, and by how much."""
+    """Return a clause that names the joint, motor or zone whose limit is broken, and the amount."""
     limits, row = robot.limits, demand.row
     if demand.watch is not None and demand.watch.item is not None:
         zone = demand.watch.zone
         limit = (zone.speed or 0.0) / MM
         return (
-            f"{demand.watch.item.name} would go at {limit * used_share:,.4g} mm/s in the zone {zone.name}, "
-            f"{percent_text(used_share - 1)} above the {limit:,.4g} mm/s that it allows"
+            f"{demand.watch.item.name} would move at {limit * used_share:,.4g} mm/s in the zone "
+            f"{zone.name}, {percent_text(used_share - 1)} above the {limit:,.4g} mm/s that it allows"
         )
     if demand.kind == "motor speed":
         limit = robot.actuation.velocity[row] * MS
@@ -144,21 +145,21 @@ def too_fast_a_cruise(
     """Return the finding that the moving frame can't have the requested speed."""
     origin, broken = step.origin, fitted.broken
     span = origin.time_span or origin.span
-    message, code = "no segments are short enough for this speed", "Y0605"
+    message, code = "the controller's shortest segments are too long for this speed", "Y0605"
     if broken is not None and broken.demand is not None:
         message = (
             f"at this speed {_excess(robot, step, broken.demand, broken.share)} at {broken.s * 100:.3g} % "
-            "of the way"
+            "of the path"
         )
         code = "Y0912" if broken.demand.watch is not None else code
-    if near is not None:
+    if near is not None and code != "Y0912":  # a singularity doesn't affect the speed limit of a zone
         message += f"; {_beside(robot, near)}"
     if not fitted.share:
         return (
             code,
             message,
             span,
-            "no speed works: the path passes too near a singularity, go round it",
+            "no speed works: the path passes too near a singularity, so choose another path",
             None,
         )
     text, fix = slower(fitted.share, origin)
@@ -170,24 +171,24 @@ def near_singularity(robot: Robot, near: Nearest, curve: Curve, step: Motion) ->
     message = f"the path comes near a singularity: {_beside(robot, near)}"
     if step.timing.duration is None and step.timing.speed is None:
         message += f"; the shortest time is {curve.duration:.4g} s"
-    help_ = "a way farther from it takes less time: another pose, a via, or MOVEJ"
+    help_ = "a path farther from it takes less time: choose another pose, add a via pose, or use MOVEJ"
     return "Y0702", message, step.origin.span, help_, None
 
 
 def _beside(robot: Robot, near: Nearest) -> str:
-    """Return a clause about the place where a path is nearest to a singularity: its distance along the path,
-    and its effect on speed.
+    """Return a clause about the place where a path is nearest to a singularity: where it is on the path, and
+    how fast a joint moves there.
     """
     joint, unit = robot.joint_names[near.joint], robot.axis_unit_names[near.joint]
     rate = near.rate / robot.axis_units[near.joint] * (DEG if near.turns else MM)
     return (
-        f"at {near.s * 100:.3g} % of the way the smallest singular value is {near.smallest:.2g}, and "
+        f"at {near.s * 100:.3g} % of the path the smallest singular value is {near.smallest:.2g}, and "
         f"{joint} moves {rate:.3g} {unit} per {'deg' if near.turns else 'mm'}"
     )
 
 
 def speed_without_unit(turns: bool, origin: Origin) -> MessageAbout:
-    """Return the finding that a speed has no unit that suits the path."""
+    """Return the finding that a speed lacks the unit that the path requires."""
     kind: Kind = "angle" if turns else "length"
     what = "an angle unit: the moving frame only turns" if turns else "a length unit: the moving frame moves"
     subject = MissingUnit(kind, "the speed")
@@ -198,47 +199,51 @@ def speed_without_unit(turns: bool, origin: Origin) -> MessageAbout:
 def no_cruise(step: Motion) -> Message:
     """Return the finding that a speed is requested of a motion profile without a cruise."""
     origin = step.origin
-    message = f"[V ..] is the speed of a cruise, and _{step.profile} has none"
-    help_ = f"take {profiles_with(lambda profile: profile.has_cruise)}"
+    message = f"[V ..] gives a cruise speed, but _{step.profile} has no cruise"
+    help_ = f"use {profiles_with(lambda profile: profile.has_cruise)}"
     return "Y0407", message, origin.time_span or origin.span, help_, None
 
 
 def too_long(robot: Robot, fitted: TooLong, origin: Origin, near: Nearest | None = None) -> Message:
-    """Return the finding that a motion would need more segments than are ever planned."""
+    """Return the finding that a motion would need more than `MOST_SEGMENTS` segments."""
     message = (
-        f"the motion takes {fitted.duration:,.0f} s or longer: more than {MOST_SEGMENTS:,} segments, the "
-        "most that are planned"
+        f"the motion takes {fitted.duration:,.0f} s or longer, which needs more than the {MOST_SEGMENTS:,} "
+        "segments that can be planned"
     )
     if near is not None:
         message += f"; {_beside(robot, near)}"
     help_ = (
-        "if [MIN] takes so long, the path passes too near a singularity: go round it; or through a slow "
-        "zone of the cell whose speed has another unit than was meant; else divide the motion"
+        "divide the motion; if [MIN] takes so long, the path passes too near a singularity, or the speed "
+        "of a slow zone has a wrong unit"
     )
     return "Y0604", message, origin.time_span or origin.span, help_, None
 
 
 def too_long_a_table(fitted: TooLong, origin: Origin) -> Message:
-    """Return the finding that a timetable would need more segments than are ever planned."""
+    """Return the finding that a timetable would need more than `MOST_SEGMENTS` segments."""
     message = (
-        f"the timetable takes {fitted.duration:,.0f} s, for which the tolerance wants more than "
-        f"{MOST_SEGMENTS:,} segments, the most that are planned"
+        f"the timetable takes {fitted.duration:,.0f} s, for which its tolerance needs more than the "
+        f"{MOST_SEGMENTS:,} segments that can be planned"
     )
-    help_ = "divide it where the robot rests; a larger TOL wants fewer segments"
+    help_ = (
+        "divide it at a row at which the robot is at rest, or allow a larger TOL, which needs fewer segments"
+    )
     return "Y0604", message, origin.span, help_, None
 
 
 def no_law(robot: Robot, fitted: NoLaw, step: Motion, near: Nearest | None = None) -> Message:
-    """Return the finding that the search for a motion profile gives up at a place of the path."""
+    """Return the finding that no motion profile was found, with the place of the path at which the search
+    failed.
+    """
     message = (
-        f"no law of _{step.profile} is found along this path: the search gives up at {fitted.s * 100:.3g} % "
-        "of the way"
+        f"no _{step.profile} profile was found for this path: the search failed at {fitted.s * 100:.3g} % "
+        "of the path"
     )
     if near is not None:
         message += f"; {_beside(robot, near)}"
     help_ = (
-        f"take {profiles_with(lambda profile: not profile.needs_search)}, which need no search; "
-        "a way farther from singularities helps too: another pose, or a via"
+        f"use {profiles_with(lambda profile: not profile.needs_search)}, which need no search, or a path "
+        "farther from singularities: another pose, or a via pose"
     )
     return "Y0614", message, step.origin.span, help_, None
 
@@ -246,11 +251,17 @@ def no_law(robot: Robot, fitted: NoLaw, step: Motion, near: Nearest | None = Non
 def not_held(fitted: NotHeld, smallest: float, origin: Origin) -> Message:
     """Return the finding that the controller's segments can't follow a path within the tolerance."""
     message = (
-        f"with segments of {fitted.segment / MS:.4g} ms the path is missed by "
-        f"{length_text(fitted.position)} and {fitted.angle / DEG:.2g} deg, and the controller takes none "
-        f"shorter than {smallest / MS:.4g} ms"
+        f"with segments of {fitted.segment / MS:.4g} ms the motion deviates from the path by "
+        f"{length_text(fitted.position)} and {fitted.angle / DEG:.2g} deg; the controller's shortest "
+        f"segment is {smallest / MS:.4g} ms"
     )
-    return "Y0602", message, origin.span, "give the motion more time, or allow more (--tolerance)", None
+    return (
+        "Y0602",
+        message,
+        origin.span,
+        "give the motion more time, or a larger tolerance (--tolerance)",
+        None,
+    )
 
 
 def _not_below(value: float) -> float:

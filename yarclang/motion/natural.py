@@ -41,6 +41,7 @@ class NaturalSpline:
         leg, width, left = self._legs(s)
         right = 1.0 - left
         v0, v1, m0, m1 = self.values[leg], self.values[leg + 1], self.bends[leg], self.bends[leg + 1]
+        # Cubic from its values and second derivatives at both ends of a leg.
         v: Array = left * v0 + right * v1 + ((left**3 - left) * m0 + (right**3 - right) * m1) * width**2 / 6.0
         return v
 
@@ -57,6 +58,7 @@ class NaturalSpline:
         right = 1.0 - left
         rise = (self.values[leg + 1] - self.values[leg])[:, None] / width
         m0, m1 = self.bends[leg][:, None], self.bends[leg + 1][:, None]
+        # Derivative of the form in `at`, with left' = -1 / width and right' = 1 / width.
         slope: Array = rise + ((1.0 - 3.0 * left**2) * m0 - (1.0 - 3.0 * right**2) * m1) * width / 6.0
         return slope
 
@@ -70,8 +72,8 @@ class NaturalSpline:
         return np.amin(values, axis=0), s[low], np.amax(values, axis=0), s[high]
 
     def _legs(self, s: Array) -> tuple[NDArray[np.intp], Array, Array]:
-        """Return, for each `s`, the number of the leg on which it lies (N,), the leg's width (N, 1), and the
-        share of the leg that remains after it (N, 1).
+        """For each place `s` (N,), return the index of the leg on which it lies (N,), the width of this leg
+        (N, 1), and the share of the leg that is beyond `s` (N, 1).
         """
         leg = self._leg(s)
         width = (self.knots[leg + 1] - self.knots[leg])[:, None]
@@ -93,7 +95,7 @@ class NaturalSpline:
         c = np.diff(self.values, axis=0) / width - (2.0 * m0 + m1) * width / 6.0
         with np.errstate(all="ignore"):
             root = np.sqrt(b**2 - 4 * a * c)
-            # Both roots without cancellation: q / a and c / q with q = -(b ± root) / 2.
+            # Compute both roots without cancellation: q / a and c / q with q = -(b ± root) / 2.
             half = -0.5 * (b + np.where(b < 0, -root, root))
             candidates = np.stack((half / a, c / half))
         inside = np.isfinite(candidates) & (candidates > 0) & (candidates < 1)

@@ -22,22 +22,22 @@ class Path(Protocol):
 
     @property
     def is_straight_in_joints(self) -> bool:
-        """True if all joints move in a constant ratio; control points on the line then execute the path
-        exactly.
+        """True if all joints move in a constant ratio: the path is a straight line in joint space. A curve
+        with control points on this line follows the path exactly.
         """
         ...
 
     @property
     def slope(self) -> Array:
-        """The largest absolute derivative of each joint with respect to s along the path, approximately
-        (n,) [rad or m].
+        """The approximate largest absolute derivative of each joint position with respect to s, (n,) [rad or
+        m].
         """
         ...
 
     @property
     def places(self) -> Array:
-        """Places s (k,) that are denser where the path bends, for paths on which equally spaced places may be
-        too few.
+        """Places s (k,) at which the path should be examined in addition to equally spaced places. They are
+        closer together where the path bends.
         """
         ...
 
@@ -46,10 +46,10 @@ class Path(Protocol):
         ...
 
     def deviation(self, q: Array, s: Array) -> tuple[float, float]:
-        """Return how far joint positions `q` (N, n), each near the place `s` (N,), are from the path.
+        """Return the largest deviation of joint positions `q` (N, n) from the path near the places `s` (N,).
 
         Returns:
-            The largest distance in m and the largest angle in rad: of the moving frame for a Cartesian path,
-            of prismatic and revolute joints for a path in joint space.
+            The largest distance [m] and the largest angle [rad]. They are those of the moving frame for a
+            Cartesian path, and those of prismatic and revolute joints for a path in joint space.
         """
         ...

@@ -56,12 +56,13 @@ class PlannedMotion:
     """A planned motion: the curve for step number `step` of the program.
 
     `profile` is empty for a motion along a timetable. `waypoints` (k, n) [rad or m] are the joint positions
-    chosen for its way-points, without the start. `curve` goes from rest to rest; if the motion flows into its
-    neighbours, the curve goes from the middle of one overlap to the middle of the next. `overlap` is the
+    chosen for its waypoints, without the start. `curve` goes from rest to rest, unless the motion flows into
+    its neighbours: then it goes from the middle of one overlap to the middle of the next. `overlap` is the
     number of segments of the overlap at its end, 0 if both paths are kept, None if the motion ends at rest.
-    `law` are control values of the share of the path that is done, over the motion's own time from rest to
-    rest, which is half an overlap longer on either side. `kept` is the share of the requested speed that is
-    reached. `least` is the share below which the speed doesn't fall after that; see `Piece`.
+
+    `law` has control values of the completed share of the path over time. They describe the whole motion from
+    rest to rest, so they extend beyond `curve` by half an overlap on either side. `kept` is the share of the
+    requested speed that is reached. `least` is the share that is kept after it has been reached; see `Piece`.
     """
 
     step: int
@@ -89,11 +90,12 @@ class PlannedMotion:
 class MotionPlan:
     """All motions of a program, one after the other, each as a curve that the controller can execute exactly.
 
-    The times of the plan count motions and dwells, with the branches of a WHEN one after the other; waiting
-    for an input or the operator takes no time.
+    On the time axis of the plan, all motions and dwells follow each other. Of a WHEN, all branches are
+    included, one after the other, although only one of them is executed. Waiting for an input or the operator
+    takes no time.
 
-    In `program`, each line that was replaced by a polyline around obstacles is several steps, one for each
-    leg; `asked` is the program without this replacement, None if nothing was replaced.
+    In `program`, a line that was replaced by a polyline around obstacles is several steps, one for each leg.
+    `asked` is the program without this replacement, None if nothing was replaced.
     """
 
     program: Program
@@ -103,7 +105,7 @@ class MotionPlan:
 
     @property
     def source_program(self) -> Program:
-        """The program as it was checked, with lines around obstacles as single steps."""
+        """The program before any line was replaced by a polyline around obstacles."""
         return self.program if self.asked is None else self.asked
 
     @cached_property
@@ -151,7 +153,7 @@ class MotionPlan:
 
     @cached_property
     def any_jerk(self) -> frozenset[int]:
-        """The steps of the motions whose jerk isn't limited: their motion profile has no such limit, or they
+        """The steps of the motions whose jerk isn't limited: their motion profile has no jerk limit, or they
         follow a timetable.
         """
         return frozenset(
@@ -160,10 +162,10 @@ class MotionPlan:
 
     @property
     def duration(self) -> float:
-        """The time at which the plan ends [s]: all motions and dwells, with the branches of a WHEN one after
-        the other.
+        """The time at which the plan ends [s]. All motions and dwells are counted, and all branches of a
+        WHEN.
 
-        The duration of one run of the program is `lasting`.
+        The duration of one execution of the program is `lasting`.
         """
         return self.schedule.places[-1]
 
@@ -175,12 +177,13 @@ class MotionPlan:
         v, a = np.zeros_like(q), np.zeros_like(q)
         if not self.motions:
             return q, v, a
-        # The last motion that has begun at each time; outside of motions the robot rests at an end.
+        # Take the last motion that has begun at each time. Before and after motions, the robot rests at their
+        # ends.
         number = np.searchsorted(self.begins, times, side="right") - 1
         number = np.clip(number, 0, len(self.motions) - 1)
         return self.sampler.sample(number, times - self.begins[number])
 
     @cached_property
     def sampler(self) -> Sampler:
-        """The sampler of the motions' curves; there must be at least one motion."""
+        """The sampler of all motions' curves; there must be at least one motion."""
         return Sampler([motion.curve for motion in self.motions])

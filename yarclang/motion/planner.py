@@ -44,8 +44,8 @@ from yarclang.robot.model import Robot, Tolerance
 class Settings:
     """The settings of the planner.
 
-    `grid` are the segment times that the controller accepts, `memory` has results of earlier plans, and
-    `searches` is the number of paths around obstacles that are searched for; the fastest is taken.
+    `grid` are the segment times that the controller accepts, and `memory` has results of earlier plans.
+    `searches` is the number of paths around obstacles that are searched for, of which the fastest is used.
     """
 
     grid: Grid
@@ -63,8 +63,8 @@ def plan(program: Program, robot: Robot, settings: Settings) -> Result[MotionPla
         settings: settings of the planner.
 
     Returns:
-        The plan, or None if a motion can't be done. After an error, planning continues from the robot's
-        intended position, as far as it is known, so that all faults are reported.
+        The plan, or None if a motion can't be executed. After an error, planning continues from the robot's
+        intended position, as far as this is known, so that all faults are reported at once.
     """
     made, is_whole, found = plan_in_part(program, robot, settings, ENOUGH_LINKED)
     return Result(made if is_whole else None, found)
@@ -75,15 +75,15 @@ def plan_in_part(
 ) -> tuple[MotionPlan, bool, tuple[Diagnostic, ...]]:
     """Plan those motions of a program that can be planned.
 
-    In a partial plan, a motion need not begin at the end of the one before. Such a plan is for display, never
-    for a controller.
+    In a partial plan, a motion need not begin at the end of the motion before it. Such a plan is for display,
+    never for a controller.
 
     Args:
         program: the program.
         robot: the robot.
         settings: settings of the planner.
-        enough: number of motions in chains after which no more chains are planned if the program has errors;
-            None for all.
+        enough: number of motions in chains after which no more chains are planned if the program has
+            errors; None to plan all chains.
 
     Returns:
         The plan; True if it contains the whole program without an error; and the findings.
@@ -104,11 +104,12 @@ def plan_in_part(
         steps, all_done = router.in_legs()
         planned = replace(program, steps=(*steps, *program.steps[end:]))
         end = len(steps)
-    found: list[list[Diagnostic]] = [list(done.found) for done in all_done]
+    findings_of: list[list[Diagnostic]] = [list(done.found) for done in all_done]
     links: dict[int, Link] = {}
     ways: dict[int, Path | FrameWay] = {}
     flows = False
-    # Second pass: each motion by itself, except in long chains, which can be planned as one path.
+    # Second pass: the curve of each motion alone. Long chains are left out if they can be planned as one
+    # path.
     motions_of = [
         (step, done.route.path) if isinstance(step, Motion) and done.route is not None else None
         for step, done in zip(steps, all_done, strict=True)
@@ -133,31 +134,31 @@ def plan_in_part(
                 leaves = flows or step.blend is not None
                 ahead = partial(tried.of, place)
                 link = planner.link(step, done.route.path, done.cell, findings, ahead, leaves=leaves)
-            found[number] += findings.found
+            findings_of[number] += findings.found
             if link is not None:
                 links[number] = link
         elif isinstance(step, Motion):
-            found[number] += _known_without_a_way(step)
+            findings_of[number] += _known_without_a_way(step)
         if isinstance(step, Motion):
             flows = step.blend is not None
     # Third pass: the chains.
     motions: list[PlannedMotion] = []
     has_gaps = any(isinstance(step, Gap) for step in steps)
-    if not (has_gaps or any(map(has_errors, found))):
+    if not (has_gaps or any(map(has_errors, findings_of))):
         enough = None
     in_chains = 0
-    for numbers, chain in chained(robot, steps, links, ways, found):
+    for numbers, chain in chained(robot, steps, links, ways, findings_of):
         if len(chain) > 1:
             in_chains += len(chain)
             if enough is not None and in_chains > enough:
                 continue
-        # A link with its corner replaces the link without.
+        # Replace each motion by the same motion with its corner.
         links.update(zip(numbers, chain, strict=True))
         as_one = planner.pieces(chain)
         pieces: Sequence[Piece | None] = as_one or ()
         if as_one is None:
-            # a chain that can't be planned as one path: first plan each motion by itself
-            pieces = planner.pieces_of_known(numbers, chain, steps, all_done, found, links)
+            # The chain can't be planned as one path: first plan each motion alone.
+            pieces = planner.pieces_of_known(numbers, chain, steps, all_done, findings_of, links)
         for number, piece in zip(numbers, pieces, strict=True):
             if piece is None:
                 continue
@@ -180,8 +181,8 @@ def plan_in_part(
             findings = Collector(step.origin.source)
             findings.place = step.origin.place
             planner.judge_piece(step, links[number], piece, number != numbers[-1], findings)
-            found[number] += findings.found
-    everything = tuple(one for findings_of_step in found for one in findings_of_step)
+            findings_of[number] += findings.found
+    everything = tuple(one for findings_of_step in findings_of for one in findings_of_step)
     complete = (
         len(motions) == sum(isinstance(step, Motion) for step in steps)
         and not has_gaps
@@ -192,9 +193,11 @@ def plan_in_part(
 
 
 def _known_without_a_way(step: Motion) -> list[Diagnostic]:
-    """Return the findings about a motion without a path, because its start or end isn't known.
+    """Return the findings about a motion that don't depend on its path. The path isn't known, because the
+    motion's start or end isn't known.
 
-    They are reported now, and not only after the fault that hides the position is mended.
+    Otherwise these findings would be reported only after the user has corrected the fault that makes the
+    position unknown.
     """
     findings = Collector(step.origin.source)
     findings.place = step.origin.place
@@ -213,8 +216,7 @@ class _Planner:
     def zones(self, step: Motion, path: Path, cell: Cell | None, *, leaves: bool) -> SlowZones | None:
         """Return the slow zones that a motion may enter.
 
-        With `leaves`, the motion may leave its path to flow into another one, so that no zone can be
-        excluded.
+        With `leaves`, the motion may leave its path to flow into another motion, so all zones are returned.
         """
         zones = slow_zones(self.robot, cell, step)
         return zones if zones is None or leaves else zones.beside(path.joints, path.slope)
@@ -236,24 +238,24 @@ class _Planner:
         *,
         leaves: bool,
     ) -> Link | None:
-        """Plan a motion by itself, from rest to rest.
+        """Plan a motion alone, from rest to rest.
 
         Args:
             step: the motion.
             path: its path.
             cell: the cell during the motion.
             findings: receives the findings about the motion.
-            ahead: function that returns the trials that were made together with those of other motions, or
-                None.
+            ahead: function that returns trials of this motion that were already computed, together with
+                those of other motions; or None.
             leaves: as for `zones`.
 
         Returns:
-            The motion as a possible member of a chain; None, with a finding, if the motion can't be done as
-            its command requests.
+            The motion as a possible member of a chain. If the motion can't be executed as its command
+            requests, a finding is added, and the result is None.
         """
         told = self.settings
-        # The path was recalled by a key of everything that the step does (motion/routes.py), so the path
-        # stands for the step in this key.
+        # The path was cached under a key with all relevant properties of the step (motion/routes.py). In this
+        # key, the path can therefore stand for the step.
         key = ("link", self.robot, cell, told.grid, told.tolerance, path, leaves)
 
         def make() -> tuple[Link | None]:
@@ -269,8 +271,8 @@ class _Planner:
         bounds, tolerance = self.asked(step)
         if zones is not None:
             bounds = replace(bounds, zones=zones)
-        # Inverse kinematics and sums return to a place only up to rounding. A motion far below a count is
-        # none.
+        # A joint position that is computed again differs by rounding. A motion of far less than an encoder
+        # count therefore counts as no motion.
         is_still = isinstance(path, JointPath | TimedPath) and bool(
             (path.slope <= NO_WAY * self.robot.axis_units).all()
         )
@@ -282,8 +284,8 @@ class _Planner:
         full: float | None = None
         grid = self.settings.grid
         fitted: Curve | TooFast | NotHeld | TooLong | NoLaw | CruiseBroken
-        # Try in turn: a cruise just below the ceiling, a programmed speed, and a programmed or the shortest
-        # time.
+        # Try in this order: a cruise just below the speed limit that the command sets, a requested speed, and
+        # a given or the shortest duration.
         cruise = self._below_ceiling(step, path, bounds, tolerance)
         if cruise is not None:
             full, fitted = cruise
@@ -297,8 +299,8 @@ class _Planner:
                 return None
             fitted = at_speed(path, full, bounds, grid, tolerance)
             if isinstance(fitted, CruiseBroken) and fitted.broken is None:
-                # The path is too short to start and stop at this speed. Only the motion that it flows into
-                # decides if the speed is reached.
+                # The path is too short to start and stop at this speed. If the motion flows into another one,
+                # it may still reach the speed.
                 gentle = load_profile(FOR_SHORT)
                 trials = None if tried is None else tried.trials_of(gentle)
                 fitted = fit(path, gentle, None, bounds, grid, tolerance, trials)
@@ -328,10 +330,10 @@ class _Planner:
     def _below_ceiling(
         self, step: Motion, path: Path, bounds: Bounds, tolerance: Tolerance
     ) -> tuple[float, Curve] | None:
-        """Plan a motion with a cruise just below its speed limit, if its command sets one.
+        """If the command of a motion sets a speed limit, plan the motion with a cruise just below it.
 
         Returns:
-            The duration of the whole path at that speed [s], and the curve; None if the command sets no
+            The duration of the whole path at that speed [s], and the curve. None if the command sets no
             limit, or no cruise at that speed is possible.
         """
         full = _full_below(step, path)
@@ -343,7 +345,7 @@ class _Planner:
     def _timed(
         self, step: TimedMove, path: TimedPath, bounds: Bounds, tolerance: Tolerance, findings: Collector
     ) -> Link | None:
-        """Plan a motion along a timetable; None, with a finding, if the robot can't follow it."""
+        """Plan a motion along a timetable. If the robot can't follow it, add a finding and return None."""
         grid = self.settings.grid
         fitted = fit_timed(path, step.within, bounds, grid)
         match fitted:
@@ -361,11 +363,11 @@ class _Planner:
         return None
 
     def bare_link(self, step: Motion, path: Path, cell: Cell | None) -> Link | None:
-        """Return a motion of a long chain with only its path and limits; its curve is planned with the whole
+        """Return a motion of a long chain with only its path and limits. Its curve is planned with the whole
         chain.
 
-        The result is None if the motion can't be planned so and needs a plan by itself: its path is in joint
-        space, its profile has no cruise, its duration is given, or its speed has no suitable unit.
+        The result is None if the motion must first be planned alone: its path is in joint space, its profile
+        has no cruise, its duration is given, or its speed has no suitable unit.
         """
         if not isinstance(path, CartesianPath):
             return None
@@ -393,13 +395,14 @@ class _Planner:
     def pieces(self, chain: list[Link]) -> list[Piece] | None:
         """Return the curves of the motions of a chain, or of a single motion.
 
-        The result is None if the motions have to be planned by themselves first.
+        The result is None if each motion must first be planned alone.
         """
         settings = self.settings
         if all(link.by_itself is not None for link in chain):
             if len(chain) == 1:
                 return [chain[0].as_alone]
-            # A link owns its curve, so the curve's identity stands for everything from which it was computed.
+            # A curve belongs to one link and never changes. Its identity can therefore stand for everything
+            # from which it was computed.
             parts = [(link.alone, None if link.corner is None else link.corner.key) for link in chain]
             key = ("chain", self.robot, settings.grid, *parts)
             return recall(settings.memory, key, lambda: linked(self.robot.chain, chain, settings.grid))
@@ -434,18 +437,18 @@ class _Planner:
         found: list[list[Diagnostic]],
         links: dict[int, Link],
     ) -> list[Piece | None]:
-        """Plan each motion of a chain by itself, since the chain can't be planned as one path, and return the
+        """Plan each motion of a chain alone, since the chain can't be planned as one path, and return the
         curves.
 
-        An item is None for a motion that can't be done by itself.
+        An item is None for a motion that can't be executed from rest to rest.
 
         Args:
             numbers: the step indices of the motions.
             chain: the motions.
             steps: the steps of the program.
-            all_done: what is known of each step.
+            all_done: the result of each step's path search.
             found: the findings of each step; those of these motions are added.
-            links: all motions by their step indices; receives these ones, planned by themselves.
+            links: all motions by their step indices; those of this chain are replaced by the planned ones.
         """
         known: list[Link | None] = []
         for number, bare in zip(numbers, chain, strict=True):
@@ -467,8 +470,8 @@ class _Planner:
         )
 
     def judge_piece(self, step: Motion, link: Link, piece: Piece, flows: bool, findings: Collector) -> None:
-        """Report where a motion in a chain isn't executed exactly as its command requests: a stop at a
-        corner, or another duration.
+        """Report a motion in a chain that isn't executed exactly as its command requests: with a stop at a
+        corner, or in another duration.
         """
         if flows and piece.overlap is None:
             findings.add(*stops_at_corner(step.origin))
@@ -477,8 +480,8 @@ class _Planner:
 
 
 def _full_below(step: Motion, path: Path) -> float | None:
-    """Return the duration of a path just below the speed limit that its motion sets [s]; None without such a
-    limit, or for a pure turn.
+    """Return the duration of a path just below the speed limit that its command sets [s]. The result is None
+    if the command sets none, or if the path is a pure rotation.
     """
     ceiling = step.timing.ceiling
     if ceiling is None or not isinstance(path, CartesianPath):
@@ -488,16 +491,16 @@ def _full_below(step: Motion, path: Path) -> float | None:
 
 
 ENOUGH_LINKED = 12
-"""Number of motions in chains after which no more chains are planned, in a program with errors.
+"""Number of motions in chains after which no more chains are planned, if the program has errors.
 
-Planning a long chain takes seconds. Without it, only findings about stops at corners and missed times are
-lost.
+Planning a long chain takes seconds. Without it, only findings about stops at corners and about missed
+durations are lost.
 """
 
 NO_WAY = 1e-9
-"""Motion of a joint up to which it counts as rounding [axis units]."""
+"""Motion of a joint up to which it counts as a rounding error [axis units]."""
 
 _EXACT = 2e-4
-"""Difference up to which a duration counts as the requested one [s]: the controller's step times some hundred
-segments.
+"""Difference up to which a duration counts as the requested one [s]. Segment times are rounded to the
+controller's step, and the rounding errors of some hundred segments may add up to this difference.
 """

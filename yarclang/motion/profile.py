@@ -1,4 +1,4 @@
-"""Define motion profiles: the share of a path that is done over time, also on a grid of segments."""
+"""Define motion profiles: the completed share of a path over time, also on a grid of segments."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Form = tuple[int, ...]
 """The free parameters of a motion profile on a grid of segments: the lengths of its ramps and blends
 [segments].
 
-Each kind of profile has its own parameters.
+Which parameters there are depends on the kind of profile.
 """
 
 NO_FORM = np.zeros((1, 0), dtype=np.int64)
@@ -35,16 +35,17 @@ class Law:
 
     Attributes:
         pure: function from the share u (N,) of the duration to the share s (N,) of the path.
-        control: function that returns the control values (n + 3,) of s for n segments and a form: three zeros
-            first, three ones last.
-        forms: function that returns the forms (K, f) for which n segments leave room, the one nearest to the
-            pure profile first.
-        strain: function that returns the peaks (K, 3) of velocity, acceleration and jerk over distance, in
-            units of segments, for n segments and forms (K, f); used to compare forms.
-        scaled: function of n, form and n', which returns the form for n' segments that is most similar to a
-            form for n segments.
-        shortest: the duration [s] for which the limits shape the profile; None if its shape doesn't depend on
-            them.
+        control: function that returns the control values (n + 3,) of s for n segments and a form: three
+            zeros first, three ones last.
+        forms: function that returns the forms (K, f) that fit into n segments; the form that is most
+            similar to `pure` comes first.
+        strain: function that returns the peaks (K, 3) of velocity, acceleration and jerk for n segments
+            and forms (K, f), by which forms are compared. The units are the length of the path and the
+            duration of a segment.
+        scaled: function of n, a form for n segments, and n'; it returns the most similar form for n'
+            segments.
+        shortest: the shortest duration [s] within the limits, if the limits determine the profile's
+            shape; otherwise None.
     """
 
     pure: Callable[[Array], Array]
@@ -71,17 +72,19 @@ def _without_law(path: Path, bounds: Bounds) -> Law | NoLaw:  # noqa: ARG001
 
 @frozen
 class Profile:
-    """A kind of motion profile, which makes a law of motion for any path.
+    """A kind of motion profile, which makes a law of motion for a path.
 
     Attributes:
         name: the name in upper case, as programs write it.
         summary: one line for lists of profiles.
-        law: function that makes the law for a path and the limits to keep; it returns NoLaw if none is found.
+        law: function that makes the law for a path and the limits to keep; it returns NoLaw if none is
+            found.
         is_stretched: True if a longer motion has the form of the shortest one, stretched in time.
         has_jerk_limit: False for a law whose acceleration may jump.
         has_cruise: True if most of the path is traversed at one speed, which a command may set.
         needs_search: False if a law exists along any path.
-        longest_segment: the longest segment that is fine enough to rate the shortest duration [s].
+        longest_segment: the longest segment that is used in the search for a motion's shortest duration [s].
+            With longer segments, the spline would follow the law too coarsely.
     """
 
     name: str
@@ -95,7 +98,7 @@ class Profile:
 
 
 def profile_names() -> tuple[str, ...]:
-    """Return the names of all profiles, one for each file of motion/profiles, without importing these files.
+    """Return the names of all profiles, from the file names in motion/profiles. The files aren't imported.
 
     Raises:
         NamedTwice: two files have one name in upper case.
@@ -105,7 +108,7 @@ def profile_names() -> tuple[str, ...]:
 
 
 FOR_SHORT = "SCURVE"
-"""The profile of a path that is too short to reach its speed; its ramps are as long as the limits require."""
+"""The profile for a path that is too short to reach its speed. The limits alone determine its ramps."""
 
 TIMETABLE = Profile("", "as the timetable says", _without_law, has_jerk_limit=False)
 """The profile of a motion along a timetable."""

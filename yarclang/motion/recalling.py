@@ -1,5 +1,5 @@
-"""Reuse the results of motions that were planned before, if their content and their start are the same,
-wherever their commands are now in the file.
+"""Reuse the results of motions that were planned before. The motion and its start must be equal, but its
+command may have moved to another line of the file.
 """
 
 from __future__ import annotations
@@ -26,41 +26,43 @@ def told_before(
     may_look_around: bool = False,
 ) -> T:
     """Return the earlier result that is stored under a key, and repeat the findings that came with it. If
-    there is no earlier result, compute the result and its findings.
+    there is none, compute the result and its findings.
 
     Args:
         memory: stores results and findings; the places of findings are relative to the command's line.
         key: everything on which the result depends, without the place of the command.
-        origin: the command; if its text is different, the findings may differ.
+        origin: the command. Findings may quote its text, so they are repeated only if the text is the same.
         findings: receives the findings, new or repeated.
-        make: function that computes the result, with findings about this command alone.
-        may_look_around: True if the findings may depend on other lines: results with findings are then
-            computed each time.
+        make: function that computes the result and adds findings about this command only.
+        may_look_around: True if the findings may depend on other lines. A result with such findings isn't
+            stored.
     """
     if isinstance(memory, Forgetful):
         return make()
     line = origin.span.line
     kept: tuple[T, tuple[Diagnostic, ...], int, Hashable] | None = memory.get(key)
     if kept is not None:
-        value, found, kept_line, spelling = kept
-        if not found:
+        value, stored, kept_line, spelling = kept
+        if not stored:
             return value
         if spelling == _spelling(origin):
-            findings.found += [_moved(one, origin, findings.place, line - kept_line) for one in found]
+            findings.found += [
+                _moved(finding, origin, findings.place, line - kept_line) for finding in stored
+            ]
             return value
     before = len(findings.found)
     value = make()
-    told = findings.found[before:]
+    added = findings.found[before:]
     # Keep a result only if its findings don't depend on other lines.
-    if all(_is_of_command(one, origin) for one in told) and not (told and may_look_around):
-        found = tuple(replace(one, source=None) for one in told)  # no text is kept
-        memory.keep(key, (value, found, line, _spelling(origin) if found else None))
+    if all(_is_of_command(finding, origin) for finding in added) and not (added and may_look_around):
+        stored = tuple(replace(finding, source=None) for finding in added)  # don't store the source text
+        memory.keep(key, (value, stored, line, _spelling(origin) if stored else None))
     return value
 
 
 def _spelling(origin: Origin) -> Hashable:
-    """Return everything of a command's origin that messages may quote, except its line number and its
-    file.
+    """Return everything of a command's origin that messages may quote, except its file and its line
+    number.
     """
     line = origin.span.line
     places: list[Hashable] = [
@@ -80,8 +82,8 @@ def _last_line(origin: Origin) -> int:
 
 
 def _is_of_command(one: Diagnostic, origin: Origin) -> bool:
-    """Return True if a finding concerns only the lines of its command. A finding about other lines may change
-    when they change.
+    """Return True if a finding concerns only the lines of its command. Any other finding may change when
+    other lines are edited.
     """
     spans = [edit.span for edit in one.fix.edits] if one.fix else []
     spans += [one.span] if one.span else []
@@ -92,7 +94,7 @@ def _is_of_command(one: Diagnostic, origin: Origin) -> bool:
 
 
 def _moved(one: Diagnostic, origin: Origin, place: str, lines: int) -> Diagnostic:
-    """Return a finding, moved down by `lines` lines like its command."""
+    """Return a finding, moved down by `lines` lines together with its command."""
     span = None if one.span is None else _shifted(one.span, lines)
     fix = one.fix
     if fix is not None and lines:

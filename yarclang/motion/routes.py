@@ -1,8 +1,8 @@
 """Find the path of each motion of a program, from the end of the motion before it.
 
-A pose target of a joint motion has several inverse-kinematics solutions, and the choice decides which
-Cartesian motions are possible after it. The nearest solution is taken first. If a later motion can't be done
-from there, the next solutions are tried.
+A pose target of a joint motion has several inverse-kinematics solutions. The choice decides which Cartesian
+motions are possible after it. The nearest solution is tried first. If a later motion can't be executed after
+it, the further solutions are tried.
 """
 
 from __future__ import annotations
@@ -59,10 +59,10 @@ from yarclang.ways import Turn, Ways
 
 @frozen(eq=False)
 class Route:
-    """The path of one motion, and the joint positions (k, n) [rad or m] chosen for its way-points.
+    """The path of one motion, and the joint positions (k, n) [rad or m] chosen for its waypoints.
 
-    A line that is replaced by a polyline around obstacles has `legs`; `path` is then the path of the last
-    leg.
+    If a line is replaced by a polyline around obstacles, `legs` are the legs of the polyline, and `path` is
+    the path of the last leg.
     """
 
     path: Path
@@ -75,8 +75,8 @@ class _Stand:
     """State of the search between two steps of the program.
 
     `ways` has the robot's position on the open branches of the program (None if it isn't known). `choice` is
-    the last motion with a free choice of inverse-kinematics solution that determines this position; None if
-    the program text gives the position. `flange` is the flange's pose base_from_flange (4, 4), if only the
+    the index of the step whose choice of an inverse-kinematics solution led to this position; None if the
+    program text determines the position. `flange` is the flange's pose base_from_flange (4, 4), if only the
     pose is known. `parts` are the places of the parts (workpieces) in the cell.
     """
 
@@ -95,9 +95,9 @@ class _Stand:
 class Done:
     """The result of one step of the program.
 
-    `before` and `behind` are the states before and after the step. `broken` is True if the step can't be done
-    from the robot's position, but perhaps from another one. `way` is the path of the moving frame, if the
-    joint positions along it aren't known.
+    `before` and `behind` are the states before and after the step. `broken` is True if the step can't be
+    executed from the robot's position, but perhaps from another one. `way` is the path of the moving frame,
+    if the joint positions along it aren't known.
     """
 
     before: _Stand
@@ -107,13 +107,13 @@ class Done:
     broken: bool = False
     way: FrameWay | None = None
     cell: Cell | None = None
-    """The cell during a motion."""
+    """The cell during the motion, with its parts where they are during the motion."""
 
 
 @dataclass(slots=True)
 class Router:
-    """Finder of the paths for the steps of a program, one after the other; `done` has the result of each
-    step.
+    """Finder of the paths for the steps of a program, from the first to the last. `done` has the results of
+    the steps so far.
     """
 
     robot: Robot
@@ -122,17 +122,17 @@ class Router:
     cell: Cell | None = None
     memory: Memory = NO_MEMORY
     cells: Mapping[int, Cell | None] | None = None
-    """The cell during each motion, if it is given."""
+    """The cell during each motion, if the caller knows it."""
     searches: int = 1
-    """Number of ways around obstacles that are searched for; the fastest is taken."""
+    """Number of paths around obstacles that are searched for; the fastest is used."""
     done: list[Done] = field(default_factory=list)
     _choices: dict[int, Array] = field(default_factory=dict)
-    """Solutions taken instead of the nearest one, by step."""
+    """Inverse-kinematics solutions that replace the nearest one, by the index of the step."""
     _in_vain: set[tuple[SourceFile, Span]] = field(default_factory=set)
-    """Commands for which a search has found no result."""
+    """Commands for which a search found no result."""
     _handling: Handling = field(init=False)
     _grasps: dict[int, Grasp] = field(default_factory=dict)
-    """The effects of SETs of grippers, by step."""
+    """The effects of SET commands for grippers, by the index of the step."""
     _blocked: set[tuple[SourceFile, Span]] = field(default_factory=set)
     """Commands with blocked poses for which nearby poses were tried."""
     _ahead: WaysAhead = field(init=False)
@@ -147,37 +147,37 @@ class Router:
         self._handling = handling_of(self.robot, self.cell, self.steps)
 
     def in_legs(self) -> tuple[tuple[Step, ...], list[Done]]:
-        """Return the steps of the program and their results, with each line that became a polyline around
-        obstacles replaced by its legs.
+        """Return the steps of the program and their results. A line that became a polyline around obstacles
+        is replaced by one line for each leg.
         """
         steps, done = list[Step](), list[Done]()
-        for step, one in zip(self.steps, self.done, strict=False):
-            if not (isinstance(step, LineMove) and step.avoids) or one.route is None:
+        for step, result in zip(self.steps, self.done, strict=False):
+            if not (isinstance(step, LineMove) and step.avoids) or result.route is None:
                 steps.append(step)
-                done.append(one)
+                done.append(result)
                 continue
-            legs = one.route.legs
+            legs = result.route.legs
             last = replace(step, avoids=False)
             if len(legs) < 2:
                 steps.append(last)
-                done.append(one)
+                done.append(result)
                 continue
-            before = one.before
+            before = result.before
             for number, leg in enumerate(legs):
                 is_last = number == len(legs) - 1
                 end = leg.path.end
-                behind = one.behind if is_last else _moved(before, end)
+                behind = result.behind if is_last else _moved(before, end)
                 steps.append(_timed(last if is_last else _to_via(last, leg.pose), leg.share))
-                found = one.found if is_last else ()
-                done.append(Done(before, behind, Route(leg.path, end[None]), found, False, None, one.cell))
+                found = result.found if is_last else ()
+                done.append(Done(before, behind, Route(leg.path, end[None]), found, False, None, result.cell))
                 before = behind
         return (*steps, *self.steps[len(self.done) :]), done
 
     def _solver(self, number: int, step: Motion, before: _Stand) -> Solver:
         """Return the inverse-kinematics solver for the poses of a command.
 
-        It searches long only in the first pass of a loop, and measures how far poses are out of reach only
-        for some commands of a program.
+        Its searches are long only in the first pass of a loop. It measures distances out of reach only for a
+        limited number of commands.
         """
         origin = step.origin
         is_again = (origin.source, origin.span) in self._in_vain
@@ -186,7 +186,7 @@ class Router:
         return Solver(self.robot, self._around(number, step, before), measures, is_again, self.searches)
 
     def _around(self, number: int, step: Motion, before: _Stand) -> Cell | None:
-        """Return the cell as it is during a motion, with the workpieces where they are then."""
+        """Return the cell as it is during a motion, with the workpieces where they are during this motion."""
         handling = self._handling
         if self.cells is not None:
             return self.cells.get(number, self.cell)
@@ -195,7 +195,7 @@ class Router:
         touches = handling.touches(number, self._grasps.get)
         searches = isinstance(step, LineMove) and step.avoids and isinstance(step.goal, PoseGoal)
         if (searches or not step.leads_frame) and before.q is not None:
-            # for straight ways of a frame, only the certificate checks what they meet
+            # Other motions of a frame are left out: only the certificate checks contacts along them.
             flange = _flange_at(self.robot, step.end, before.q)
             touches += handling.foreseen(before.parts.parts, number, flange)
         return handling.around(before.parts.parts, touches, number)
@@ -205,8 +205,8 @@ class Router:
         return _Stand(Ways(self.start), parts=self._handling.first())
 
     def advance(self) -> None:
-        """Find the path of the next step. If the step can't be done from the robot's position, try the other
-        solutions of an earlier target.
+        """Find the path of the next step. If the step can't be executed from the robot's position, try other
+        solutions for the earlier target that led to this position.
         """
         before = self.done[-1].behind if self.done else self._first()
         done = self._step(len(self.done), before)
@@ -216,7 +216,7 @@ class Router:
 
     def _choose_otherwise(self, chosen: int) -> None:
         """Try the other inverse-kinematics solutions for the target of step `chosen`, the nearest first,
-        until all steps from there to the last one can be done.
+        until all steps up to the latest one can be executed.
         """
         tried = self.done[chosen:]
         last = len(self.done)
@@ -225,8 +225,8 @@ class Router:
         goal, near = step.end, self._near(chosen)
         if not isinstance(goal, PoseGoal) or near is None:
             return
-        # Backtracking: route all steps from `chosen` on again with another solution, until one gets past the
-        # broken step. Without success, the first result is restored.
+        # Backtracking: with each solution, find the paths of all steps from `chosen` on again, until one
+        # solution gets past the step that failed. If none does, restore the first result.
         for q in Solver(self.robot, self.done[chosen].cell).others(goal, near, step):
             if chosen in self._choices and np.array_equal(q, self._choices[chosen]):
                 continue
@@ -256,8 +256,8 @@ class Router:
         self.done[chosen:] = tried
 
     def _near(self, number: int) -> Array | None:
-        """Return the joint position to which the solution of a motion's last pose should be near: the
-        way-point before it, or the start.
+        """Return the joint position to which the solution for a motion's last pose should be near: the last
+        waypoint before this pose, or the start.
         """
         done = self.done[number]
         if done.route is None or len(done.route.waypoints) < 2:
@@ -293,7 +293,7 @@ class Router:
     def _flow(self, number: int, step: Action, stand: _Stand, findings: Collector) -> _Stand:
         """Return the state after a step that doesn't move the robot.
 
-        The state changes only at the branches of a WHEN or a loop, and where a gripper closes or opens.
+        The state changes only at the branches of a WHEN or a loop, and when a gripper closes or opens.
         """
         if self._handling.has_parts:
             parts, grasp = self._handling.passed(stand.parts, number, stand.q)
@@ -305,7 +305,7 @@ class Router:
         return self._flowed(step, stand, findings)
 
     def _flows_into(self, number: int) -> bool:
-        """Return True if the motion before a step doesn't come to rest."""
+        """Return True if the motion before a step flows into the next motion."""
         before = next((one for one in reversed(self.steps[:number]) if isinstance(one, Motion)), None)
         return before is not None and before.blend is not None
 
@@ -322,13 +322,14 @@ class Router:
             return None
 
         ways = stand.ways.turned(step, meet)
-        # All paths together have fixed the solutions chosen earlier.
+        # All branches must end at one joint position. Where they meet, earlier choices of solutions are
+        # therefore final.
         is_met = isinstance(step, EndWhen | Loop | EndLoop)
         return _Stand(ways, None, None, stand.parts) if is_met else replace(stand, ways=ways)
 
     def _same(self, one: Array, other: Array) -> bool:
-        """Return True if two joint positions are the same for the controller: they differ by far less than
-        an encoder count.
+        """Return True if two joint positions are equal for the controller: they differ by far less than an
+        encoder count.
         """
         return bool((np.abs(one - other) <= 1e-9 * self.robot.axis_units).all())
 
@@ -336,8 +337,8 @@ class Router:
         self, solver: Solver, number: int, step: Motion, before: _Stand, q: Array, findings: Collector
     ) -> Done:
         """Find the path of one motion from the joint position `q` (n,)."""
-        # A joint motion to a free pose becomes the new choice to vary; other targets in joint space fix the
-        # position.
+        # A joint motion to a pose without NEAR is a new choice among solutions. Any other absolute target of
+        # a joint motion determines the position.
         choice, taken = before.choice, self._choices.get(number)
         if not step.leads_frame and not isinstance(step.end, JointDelta):
             choice = number if is_free(step.end) else None
@@ -359,7 +360,8 @@ class Router:
                 return led, None
             return led, Route(led.path, led.waypoints, led.legs)
 
-        # The fix of a way around obstacles uses names that don't occur in the text.
+        # The fix for a path around obstacles declares names that must not occur elsewhere in the text. The
+        # finding therefore depends on other lines.
         around = isinstance(step, AvoidMove)
         led, route = told_before(self.memory, key, step.origin, findings, make, may_look_around=around)
         behind = _Stand(
@@ -386,8 +388,8 @@ class Router:
     def _from_anywhere(
         self, solver: Solver, number: int, step: Motion, before: _Stand, findings: Collector
     ) -> Done:
-        """Check as much of a motion as is possible if the robot's position before it is unknown: if the poses
-        are in reach at all, and if the moving frame has a path to its goal.
+        """Check a motion without knowing the robot's position before it: its poses must be in reach, and the
+        moving frame must have a path to its goal.
         """
         flange = None if before.flange is None else before.flange.tobytes()
         key = ("anywhere", self.robot, flange, key_of(step), solver.measures)
@@ -405,8 +407,8 @@ class Router:
         """Return what is known about the end of a motion if the robot's position before it is unknown.
 
         Returns:
-            The joint position at the end (n,), the flange's pose at the end (4, 4), and the moving frame's
-            path in space; None for each that isn't known.
+            The joint position at the end (n,), the flange's pose at the end (4, 4), and the path of the
+            moving frame. Each is None if it isn't known.
         """
         if isinstance(step, TimedMove):
             return step.table.positions[-1], None, None
@@ -429,27 +431,30 @@ class Router:
 _BLOCKED = "Y0925"
 
 MOST_MEASURED = 20
-"""Number of commands of a program for which the distance out of reach is measured: each search takes about
-0.1 s.
+"""Largest number of commands of a program for which the distance out of reach is measured. Measuring one
+distance takes about 0.1 s.
 """
 
 
 def _to_via(step: LineMove, pose: Array) -> LineMove:
-    """Return a line with a pose (4, 4) as its new goal, at which the robot stops: one leg of a polyline."""
+    """Return one leg of a polyline: the line of `step` with another goal pose (4, 4), at which the robot
+    stops.
+    """
     return replace(step, goal=PoseGoal(pose, step.goal.flange_from_moving), blend=None, search=None)
 
 
 def _timed(step: LineMove, share: float) -> LineMove:
-    """Return a leg of a polyline with its share of the line's duration, if a duration is given."""
+    """Return a leg of a polyline. If the line has a given duration, the leg gets its share of it."""
     duration = step.timing.duration
     return step if duration is None else replace(step, timing=replace(step.timing, duration=share * duration))
 
 
 def _moved(stand: _Stand, q: Array | None) -> _Stand:
-    """Return the state after a motion to the joint position `q` (n,) [rad or m]; None if the position
+    """Return the state after a motion to the joint position `q` (n,) [rad or m]. `q` is None if the position
     isn't known.
     """
-    # This is twice as fast as `replace`, and runs for every motion of a program that is edited.
+    # Making a new state is twice as fast as `replace`. This matters, since after each edit of a program a
+    # state is made for every motion.
     return _Stand(Ways(q, stand.ways.ends, stand.ways.open), None, None, stand.parts)
 
 

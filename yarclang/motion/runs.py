@@ -1,5 +1,5 @@
-"""Decide how many consecutive motions are computed together: the more, the longer the run of motions
-requested.
+"""Decide how many consecutive motions are computed together. The number grows with the number of motions that
+have been requested one after the other.
 """
 
 from __future__ import annotations
@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 MOST = 64
-"""Largest number of motions computed together: with more, each would take as long, and need more memory."""
+"""Largest number of motions computed together. A larger number would take more memory, and save no time."""
 
 
 @dataclass(slots=True)
@@ -23,7 +23,7 @@ class Growing:
     _next: int = -1
 
     def size(self, number: int) -> int:
-        """Return how many motions to compute together from step `number` on."""
+        """Return the number of motions to compute together, from step `number` on."""
         self._size = min(2 * self._size, self.most or MOST) if number == self._next else 1
         self._next = number + 1
         return self._size

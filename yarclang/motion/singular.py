@@ -1,4 +1,6 @@
-"""Measure how near a path of the moving frame comes to a singularity, and the effect on speed."""
+"""Find the place at which a path of the moving frame is nearest to a singularity, and its effect on the
+speed.
+"""
 
 from __future__ import annotations
 
@@ -12,11 +14,13 @@ from yarclang.motion.cartesian import CartesianPath
 from yarclang.robot.kinematics.singularity import are_all_above, smallest_singular_values
 
 NEAR = 0.06
-"""Smallest singular value below which a path counts as near a singularity; far from one it is 0.1 to 0.5."""
+"""Smallest singular value of the Jacobian below which a path counts as near a singularity. Far from
+singularities, it is 0.1 to 0.5.
+"""
 
 _COSTS = 2.0
-"""Ratio of the joints' load near a singularity to the average load, from which the path counts as slowed by
-the singularity.
+"""Ratio of the largest load near the singularity to the average load along the path, from which on the path
+counts as slowed by the singularity. The load is the joints' use of their velocity limits.
 """
 
 _STILL = 1e-9
@@ -26,8 +30,9 @@ _STILL = 1e-9
 class Nearest:
     """The place `s` of a path that is nearest to a singularity.
 
-    `smallest` is the smallest singular value of the Jacobian there. `joint` is the joint that moves most, by
-    `rate` [rad or m per m of the path, or per rad of a pure turn]. `turns` is True for a pure turn.
+    `smallest` is the smallest singular value of the Jacobian there. `joint` is the joint that moves fastest,
+    relative to its velocity limit: by `rate` [rad or m per m of the path, or per rad of a pure rotation].
+    `turns` is True for a pure rotation.
     """
 
     s: float
@@ -50,10 +55,11 @@ def keep_away(paths: Sequence[CartesianPath]) -> list[bool]:
 
 
 def nearest_singularity(path: CartesianPath, velocity: Array) -> Nearest | None:
-    """Return the place where a singularity slows a path; None if the path keeps away from singularities, or
-    passes them without loss of speed.
+    """Return the place at which a singularity slows a path. The result is None if the path keeps away from
+    singularities, or passes them without loss of speed.
 
-    The places examined are those at which inverse kinematics was solved; they are denser near a singularity.
+    Only places at which inverse kinematics was solved are examined; they are closer together near a
+    singularity.
 
     Args:
         path: the path.
@@ -66,8 +72,10 @@ def nearest_singularity(path: CartesianPath, velocity: Array) -> Nearest | None:
     smallest = smallest_singular_values(path.chain, q, path.flange_from_moving)
     if smallest.min() >= NEAR:
         return None
+    # Joint motion per share of the path, between neighbouring places.
     slope = np.abs(np.diff(q, axis=0)) / np.diff(s)[:, None]
-    # The share of its speed limit that the busiest joint needs if the path takes 1 s.
+    # Assume that the path takes 1 s, and compute the share of its velocity limit that each joint needs. The
+    # largest share is the load.
     shares = slope / velocity
     load = shares.max(axis=1)
     near = np.minimum(smallest[1:], smallest[:-1]) < NEAR

@@ -1,10 +1,10 @@
-"""Approximate joint positions along a line or an arc by one polynomial: inverse kinematics is solved at a few
-places, and the polynomial gives all others.
+"""Approximate joint positions along a line or an arc by one polynomial. Inverse kinematics is solved only at
+a few places; the polynomial gives the joint positions at all others.
 
-Except at singularities, the joints of an arm are analytic functions of the place on such a path, so their
-Chebyshev interpolation converges geometrically. On a short line, 16 places determine all others to the last
-digits (Trefethen, Approximation Theory and Approximation Practice, ch. 8). Forward kinematics checks the
-polynomial between the places; an inaccurate polynomial is not used.
+Except at singularities, the joint positions of an arm are analytic functions of the place on such a path.
+Their Chebyshev interpolation therefore converges geometrically. On a short line, 16 places determine all
+others to the last digits (Trefethen, Approximation Theory and Approximation Practice, ch. 8). Forward
+kinematics checks the polynomial between these places, and an inaccurate polynomial isn't used.
 """
 
 from __future__ import annotations
@@ -24,24 +24,26 @@ from yarclang.robot.kinematics.inverse import extent
 from yarclang.robot.kinematics.numeric import misses, pose_columns
 
 MANY = 64
-"""Number of places on a path below which each place is solved."""
+"""Number of places on a path from which on a polynomial is used. For fewer places, inverse kinematics is
+solved at each.
+"""
 
 _DEGREES = (15, 39)
-"""The degrees that are tried."""
+"""The degrees of polynomials that are tried, one after the other."""
 
 _EXACT = 1e-12
-"""The largest miss of the path between the solved places [m or rad]."""
+"""Largest deviation of an accurate polynomial from the path, at places between the solved ones [m or rad]."""
 
 _AT_ONCE = 8_192
-"""Places at which a polynomial is evaluated together."""
+"""Number of places at which a polynomial is evaluated together."""
 
 
 @frozen(eq=False)
 class Smooth:
     """The joint positions along a path as a polynomial over s from 0 to 1.
 
-    `coefficients` (d + 1, n) are those of the Chebyshev polynomials of 1 - 2 s [rad or m]. `lever` [m] is
-    larger than the distance of the moving frame's origin from any joint's axis; `is_sliding` (n,) is 1 for
+    `coefficients` (d + 1, n) are those of the Chebyshev polynomials of 1 - 2 s [rad or m]. `lever` [m] is an
+    upper bound of the distance of the moving frame's origin from any joint's axis. `is_sliding` (n,) is 1 for
     prismatic joints.
     """
 
@@ -67,7 +69,7 @@ class Smooth:
         Returns:
             Upper bounds of the distance [m] and of the angle [rad].
         """
-        # A joint that is off by an angle moves the frame by at most its lever times the angle.
+        # If a joint is off by an angle, the frame is off by at most the lever times this angle.
         off = np.abs(q - self.at(s))
         turn = off @ (1.0 - self.is_sliding)
         return float((self.lever * turn + off @ self.is_sliding).max()), float(turn.max())
@@ -77,24 +79,25 @@ def smooth(paths: Sequence[CartesianPath]) -> list[Smooth | None]:
     """Return the joint positions along paths of one arm and one moving frame as polynomials; None for a path
     without a polynomial.
     """
-    found: list[Smooth | None] = [None] * len(paths)
+    polynomials: list[Smooth | None] = [None] * len(paths)
     missing = [place for place, path in enumerate(paths) if isinstance(path.frame, Line | Arc)]
     for degree in _DEGREES:
         if not missing:
             break
         for place, one in zip(missing, _of_degree(degree, [paths[place] for place in missing]), strict=True):
-            found[place] = one
-        missing = [place for place in missing if found[place] is None]
-    return found
+            polynomials[place] = one
+        missing = [place for place in missing if polynomials[place] is None]
+    return polynomials
 
 
 def _of_degree(degree: int, paths: Sequence[CartesianPath]) -> list[Smooth | None]:
-    """Return the joint positions along each path as a polynomial of one degree; None if it isn't accurate
-    enough.
+    """Return the joint positions along each path as a polynomial of the given degree; None if this polynomial
+    isn't accurate enough.
     """
     places, between, to_coefficients, to_between = _nodes(degree)
     chain, tool = paths[0].chain, paths[0].flange_from_moving
     values = np.array(joints_of(paths, [places] * len(paths)))
+    # Check the polynomial between the nodes, where its error is largest, by forward kinematics.
     looked_at = np.matmul(to_between, values)
     poses = _poses(paths, between)
     columns = walk(chain, np.ascontiguousarray(looked_at.reshape(-1, chain.size).T), tool)[0]
@@ -121,14 +124,16 @@ def _nodes(degree: int) -> tuple[Array, Array, Array, Array]:
     """Return Chebyshev nodes, places between them, and matrices for values at the nodes.
 
     Returns:
-        The places to solve; places between them, for checks; the matrix from values to coefficients; and the
-        matrix from values to values at the second places.
+        The nodes, at which inverse kinematics is solved; the places between them, for checks; the matrix from
+        values at the nodes to coefficients; and the matrix from values at the nodes to values at the places
+        between.
     """
     count = degree + 1
-    # Roots of the Chebyshev polynomial of degree `count`, and its extremes, which are between the roots.
+    # The nodes are the roots of the Chebyshev polynomial of degree `count`. The places between them are its
+    # extremes.
     places = (1.0 - np.cos(np.pi * (np.arange(count) + 0.5) / count)) / 2.0
     between = (1.0 - np.cos(np.pi * np.arange(count + 1) / count)) / 2.0
-    # Discrete orthogonality of the Chebyshev polynomials at their roots.
+    # Chebyshev polynomials are orthogonal at their roots.
     to_coefficients = _chebyshev(places, count) * (2.0 / count)
     to_coefficients[0] /= 2.0
     return places, between, to_coefficients, _chebyshev(between, count).T @ to_coefficients

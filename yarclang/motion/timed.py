@@ -2,9 +2,9 @@
 
 The path is a function of time, so only the segments and the curve's smoothness can be chosen. If the
 acceleration of the path jumps, as it does at both ends of a clamped spline, a curve through all knots
-overshoots. The control points therefore minimize a sum of squares: of the distances at the knots, and, with a
-weight, of the differences between the curve's accelerations and those of the path. With a larger weight, the
-curve overshoots less and is farther from the path. The largest weight that keeps the tolerance is used.
+overshoots. The control points therefore minimize a weighted sum of squares: of the distances at the knots,
+and of the differences between the accelerations of curve and path. With a larger weight of the accelerations,
+the curve overshoots less and is farther from the path. The largest weight that keeps the tolerance is used.
 """
 
 from __future__ import annotations
@@ -24,7 +24,9 @@ from yarclang.progress import go_on
 from yarclang.units import MS
 
 LATE = 1.0 * MS
-"""Time by which the duration may exceed that of the table [s]: the controller's segment times have steps."""
+"""Time by which a motion may last longer than its timetable [s], since the controller's segment times have
+steps.
+"""
 
 _SHARE = 0.85
 """Share of the tolerance that is used, since the distance is sampled only at some places."""
@@ -33,19 +35,19 @@ _BETWEEN = 4
 """Number of samples in each segment."""
 
 _WEIGHTS = (1e6, 1e5, 1e4, 1e3, 1e2, 1e1, 1.0, 0.1, 0.0)
-"""Weights of the accelerations that are tried."""
+"""Weights to try for the differences of accelerations."""
 
 _GAIN = 0.98
-"""Factor to which each step must reduce an excess, if shorter segments are to be tried."""
+"""Factor by which shorter segments must reduce an excess; otherwise still shorter ones aren't tried."""
 
 _FINER = 0.6
-"""Factor from one segment time to the next one that is tried, if limits are broken or the curve
+"""Factor by which segments become shorter from one attempt to the next, if limits are broken or the curve
 overshoots.
 """
 
 _OVERSHOOT = 1.15
-"""Factor by which accelerations may exceed those of the path, and half of the limit, before shorter segments
-are tried.
+"""Overshoot above which shorter segments are tried: the ratio of the curve's largest acceleration to that of
+the path, or to half of the limit if this is larger.
 """
 
 _ROUNDS = 12
@@ -53,9 +55,10 @@ _ROUNDS = 12
 
 @frozen
 class Broken:
-    """A limit that a timetable breaks, named by `demand`.
+    """A limit that a timetable breaks; `demand` names the limit.
 
-    `share` is the used share of the limit (1 is all of it), and `time` [s] is when the limit is broken.
+    `share` is the required multiple of the limit (1 is exactly the limit), and `time` [s] is when the limit
+    is broken.
     """
 
     demand: Demand
@@ -65,10 +68,11 @@ class Broken:
 
 @frozen
 class Missed:
-    """A path that can't be followed within the tolerance: `joint` is off by `off` [rad or m], `time` [s]
-    after the start.
+    """A path that can't be followed within the tolerance: at the time `time` [s] after the start, `joint` is
+    off by `off` [rad or m].
 
-    This is with the shortest segments, of `segment` [s]. `share` is the error as a share of the tolerance.
+    This error remains with the shortest segments, of `segment` [s]. `share` is the error as a multiple of the
+    tolerance.
     """
 
     joint: int
@@ -80,7 +84,7 @@ class Missed:
 
 @frozen
 class TooShort:
-    """A timetable that is shorter than the fewest segments that a motion may have.
+    """A timetable that is too short for the fewest segments that a motion may have.
 
     The table ends after `duration` [s], and the fewest segments take `shortest` [s].
     """
@@ -90,7 +94,9 @@ class TooShort:
 
 
 Refused = Broken | Missed | TooShort
-"""The reasons why a timetable can't be executed as it is; if all its times grow enough, it can."""
+"""The reasons why a timetable can't be executed as it is. The timetable can be executed if all its times are
+multiplied by a large enough factor.
+"""
 
 
 def fit_timed(path: TimedPath, within: Array, bounds: Bounds, grid: Grid) -> Curve | Refused | TooLong:
@@ -124,11 +130,12 @@ def fit_timed(path: TimedPath, within: Array, bounds: Bounds, grid: Grid) -> Cur
         points, excess = trial.solved(0.0)
         if excess > _SHARE:
             if is_last:
-                # If no segments are short enough for a fast motion, report the limit that it breaks first.
+                # Not even the shortest segments can follow the table: report the limit that the motion breaks
+                # by most.
                 demand = max(bounds.demands(points), key=lambda one: one.segment)
-                found = _broken(demand, segment) if demand.segment > segment else None
-                return broken or found or trial.missed(points, segment)
-            # If the acceleration jumps, the distance falls with the square of the segment time.
+                refusal = _broken(demand, segment) if demand.segment > segment else None
+                return broken or refusal or trial.missed(points, segment)
+            # If the acceleration jumps, the error is proportional to the square of the segment time.
             wanted = max(grid.smallest, segment * max(0.3, min(0.9, 0.95 * math.sqrt(_SHARE / excess))))
             continue
         points = trial.smoothest(points)
@@ -142,10 +149,10 @@ def fit_timed(path: TimedPath, within: Array, bounds: Bounds, grid: Grid) -> Cur
             if over <= _OVERSHOOT:
                 break
         else:
-            found = _broken(demand, segment)
-            is_better = broken is None or found.share < 1.0 + _GAIN * (broken.share - 1.0)
-            if broken is None or found.share < broken.share:
-                broken = found
+            refusal = _broken(demand, segment)
+            is_better = broken is None or refusal.share < 1.0 + _GAIN * (broken.share - 1.0)
+            if broken is None or refusal.share < broken.share:
+                broken = refusal
         if is_last or not is_better:
             break
         wanted = max(grid.smallest, segment * _FINER)
@@ -153,11 +160,11 @@ def fit_timed(path: TimedPath, within: Array, bounds: Bounds, grid: Grid) -> Cur
 
 
 STEPS = 24
-"""Largest number of factors by which the times of a table are stretched in the search."""
+"""Largest number of factors that the search for the smallest factor tries."""
 
 FINE = 1.001
-"""Ratio of two factors, one too small and one that works, below which the search for the smallest factor
-ends.
+"""The search for the smallest factor ends when the smallest factor that has worked is at most this many times
+the largest factor that has failed.
 """
 
 
@@ -169,10 +176,10 @@ def shortest_stretch(
     grid: Grid,
     stretch: float,
 ) -> float | None:
-    """Search for the smallest factor by which all times of a timetable must grow to keep all limits.
+    """Search for the smallest factor by which all times of a timetable must be multiplied to keep all limits.
 
     Args:
-        path_at: function that returns the path for such a factor.
+        path_at: function that returns the path with all times multiplied by a factor.
         refused: the reason why the factor `stretch` doesn't work.
         within: as for `fit_timed`.
         bounds: as for `fit_timed`.
@@ -188,16 +195,16 @@ def shortest_stretch(
         tried = _few_digits(nearest)
         if tried >= works or tried <= fails:
             break
-        found = fit_timed(path_at(tried), within, bounds, grid)
-        if isinstance(found, TooLong):
+        fitted = fit_timed(path_at(tried), within, bounds, grid)
+        if isinstance(fitted, TooLong):
             break
-        if isinstance(found, Curve):
+        if isinstance(fitted, Curve):
             works = tried
         else:
             fails = tried
-        if not isinstance(found, Curve) and math.isinf(works):
-            # Until a stretch works, follow the estimate; then bisect, in ratios.
-            nearest = tried * max(_needed(found), FINE)
+        if not isinstance(fitted, Curve) and math.isinf(works):
+            # Until a factor works, follow the estimate. Then bisect, by the geometric mean.
+            nearest = tried * max(_needed(fitted), FINE)
         elif works <= fails * FINE:
             break
         else:
@@ -206,10 +213,10 @@ def shortest_stretch(
 
 
 def _needed(refused: Refused) -> float:
-    """Return the approximate factor by which all times of a timetable must grow.
+    """Return the approximate factor by which all times of a timetable must be multiplied.
 
-    Velocities fall with the first power of the factor. Accelerations, and the errors of the shortest
-    segments, fall with its square.
+    Velocities are inversely proportional to the factor. Accelerations are inversely proportional to its
+    square, and so is the path error that remains with the shortest possible segments.
     """
     if isinstance(refused, TooShort):
         return refused.shortest / refused.duration
@@ -219,40 +226,44 @@ def _needed(refused: Refused) -> float:
 
 
 def _few_digits(stretch: float) -> float:
-    """Return a factor of four digits that isn't below the given one."""
+    """Return a factor with four digits that isn't below the given one."""
     digits = 3 - math.floor(math.log10(stretch))
     return round(math.ceil(stretch * 10.0**digits - 1e-6) / 10.0**digits, max(0, digits))
 
 
 _ORDERS = {"velocity": 1, "motor speed": 1, "zone speed": 1, "acceleration": 2, "jerk": 3}
-"""The power of time with which each limit scales."""
+"""The order of the time derivative that each limit concerns."""
 
 
 def _broken(demand: Demand, segment: float) -> Broken:
     order = _ORDERS[demand.kind]
+    # A difference of order r from control point i on belongs to knot i + r/2 - 1, since control points are
+    # one knot ahead.
     middle = demand.at + (order - 2) / 2.0
     return Broken(demand, (demand.segment / segment) ** order, max(0.0, middle * segment))
 
 
 _NUMBERS = 4096
-"""Numbers of segments that are compared, in each direction."""
+"""Largest number of candidates for the number of segments that are compared: above the wanted number, and
+also below it.
+"""
 
 
 def _divided(duration: float, wanted: float, grid: Grid) -> tuple[int, float]:
-    """Return a number of segments and a segment time [s], near `wanted`, that together last as long as a
-    timetable.
-
-    They may last longer by at most `LATE`.
+    """Return a number of segments and a segment time [s] near `wanted`. Together they last as long as a
+    timetable, or longer by at most `LATE` if possible.
     """
     steps = duration / grid.quantum
     most = max(FEWEST_SEGMENTS, math.floor((duration + LATE) / grid.smallest + 1e-9))
     least = min(most, max(FEWEST_SEGMENTS, math.ceil(duration / wanted - 1e-9)))
     fewest = max(FEWEST_SEGMENTS, math.ceil(duration / grid.largest - 1e-9))
-    # Try some thousand numbers, larger ones first: for a long motion, one in twenty has a segment time that
-    # the controller's steps allow.
+    # Try some thousand numbers, the larger ones first. For a long motion, about one in twenty has a segment
+    # time that the controller's steps allow.
     larger = np.arange(least, min(most, least + _NUMBERS) + 1)
     smaller = np.arange(least - 1, max(fewest, least - _NUMBERS) - 1, -1)
     numbers = np.concatenate((larger, smaller))
+    # Round segment times up to whole steps of the controller, so that the motion is never shorter than the
+    # table.
     each = np.ceil(steps / numbers - 1e-9)
     each = np.maximum(each, math.ceil(grid.smallest / grid.quantum - 1e-6))
     late = (each * numbers - steps) * grid.quantum
@@ -281,17 +292,18 @@ class _Trial:
         return _Trial(path, within, between[::_BETWEEN], between)
 
     def solved(self, weight: float) -> tuple[Array, float]:
-        """Return the control points (n + 3, d) that fit the path with a weight of smoothness, and the share
-        of the tolerance that they use.
+        """Return the control points (n + 3, d) that fit the path, and the share of the tolerance that they
+        use. `weight` is the weight of the accelerations.
         """
         points = _least_squares(self.knots, weight)
         return points, float((np.abs(_looked_at(points) - self.between) / self.within).max())
 
     def smoothest(self, points: Array) -> Array:
-        """Return the control points for the largest weight of smoothness that keeps the tolerance.
+        """Return the control points for the largest weight of the accelerations that keeps the tolerance.
 
         Args:
-            points: the control points without smoothing, which are returned if no weight keeps the tolerance.
+            points: the control points for the weight 0, which are returned if no larger weight keeps the
+                tolerance.
         """
         low, high = 0, len(_WEIGHTS) - 1
         while low < high:
@@ -312,7 +324,9 @@ class _Trial:
         return float((made / np.maximum(asked, bounds.acceleration / 2.0)).max())
 
     def missed(self, points: Array, segment: float) -> Missed:
-        """Return where control points miss the path most, in relation to the tolerance."""
+        """Return the largest error of control points, in relation to the tolerance, with its joint and
+        time.
+        """
         off = np.abs(_looked_at(points) - self.between)
         at, joint = divmod(int(np.argmax(off / self.within)), off.shape[1])
         most = float(off[at, joint])
@@ -324,24 +338,25 @@ def _looked_at(points: Array) -> Array:
     (n + 3, d).
     """
     f = [points[i : len(points) - 3 + i] for i in range(4)]
-    found = np.empty((len(f[0]) * _BETWEEN + 1, points.shape[1]))
+    positions = np.empty((len(f[0]) * _BETWEEN + 1, points.shape[1]))
     for place in range(_BETWEEN):
         u = place / _BETWEEN
+        # Basis functions of the uniform cubic B-spline at the share u of a segment, times 6.
         w = 1.0 - u
         shares = w**3, 3 * u**3 - 6 * u**2 + 4, -3 * u**3 + 3 * u**2 + 3 * u + 1, u**3
-        found[place:-1:_BETWEEN] = sum(share * one for share, one in zip(shares, f, strict=True)) / 6.0
-    found[-1] = knot_values(points[-3:])[0]
-    return found
+        positions[place:-1:_BETWEEN] = sum(share * one for share, one in zip(shares, f, strict=True)) / 6.0
+    positions[-1] = knot_values(points[-3:])[0]
+    return positions
 
 
 def _least_squares(knots: Array, weight: float) -> Array:
     """Return the control points (n + 3, d) that fit joint positions at knots 0 to n, (n + 1, d), by least
     squares.
 
-    The first three control points are the start and the last three the end. Each knot from 1 to n - 1
-    contributes one equation for the position and one, times the root of `weight`, for the second difference.
-    Each unknown occurs in three equations of either kind, so that the normal equations have the same
-    coefficients in every row.
+    The first three control points are the start and the last three the end. Each knot from 1 to n - 1 gives
+    two equations: one for the position, and one for the second difference, multiplied by the root of
+    `weight`. Each unknown occurs in three equations of either kind, so that the normal equations have the
+    same coefficients in every row.
     """
     from scipy.linalg import solveh_banded
 
@@ -352,8 +367,8 @@ def _least_squares(knots: Array, weight: float) -> Array:
     inner = slice(1, -1)
     positions = knots[inner] - knot_values(points)[inner]
     bends = np.diff(knots, 2, axis=0) - np.diff(points, 2, axis=0)[inner]
-    # Normal equations A'A + weight B'B: A has the rows (1, 4, 1) / 6 of positions at knots, B the rows (1,
-    # -2, 1) of second differences. Each product has the five diagonals of `rows`.
+    # Normal equations A'A + weight B'B: A has the rows (1, 4, 1) / 6 of the positions, and B has the rows (1,
+    # -2, 1) of the second differences. Both products have five diagonals.
     right = (positions[:-2] + 4.0 * positions[1:-1] + positions[2:]) / 6.0
     right += weight * np.diff(bends, 2, axis=0)
     unknowns = len(right)

@@ -1,4 +1,6 @@
-"""Compute the first trials of many Cartesian motions together; most of these motions need few more trials."""
+"""Compute the first trials of many Cartesian motions together. Most of these motions need few further
+trials.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,7 @@ from yarclang.motion.trials import Trials, try_together
 from yarclang.robot.model import Tolerance
 
 _MOST_ROWS = 20_000
-"""The largest number of segments of the motions that are computed together."""
+"""Largest number of segments that are computed together, summed up over all motions."""
 
 
 @frozen(eq=False)
@@ -36,16 +38,16 @@ class Tried:
     keeps_away: bool
 
     def trials_of(self, profile: Profile) -> Trials | None:
-        """Return the trials if they were made for this profile, otherwise None."""
+        """Return the trials if they were made for the given profile, otherwise None."""
         return self.trials if profile is self.profile else None
 
 
 @dataclass(slots=True)
 class TriedAhead:
-    """Maker of the first trials of motions, for many consecutive motions at once.
+    """Maker of the first trials of motions. It computes many consecutive motions at once.
 
-    `motions` are the motions of a program in order, with their paths; None if a path isn't known. `asked` is
-    a function that returns the limits and the tolerance of a motion.
+    `motions` are the motions of a program in order, each with its path; an item is None if the path isn't
+    known. `asked` is a function that returns the limits and the tolerance of a motion.
     """
 
     motions: Sequence[tuple[Motion, Path] | None]
@@ -64,8 +66,8 @@ class TriedAhead:
         return self._ready.pop(number, None)
 
     def _work(self, number: int, size: int) -> None:
-        """Make the first trials of up to `size` consecutive motions of the same kind together, from motion
-        `number` on.
+        """Make the first trials of up to `size` consecutive motions together, from motion `number` on. Stop
+        before a motion of another kind.
         """
         begun = list[_Begun]()
         for here in range(number, min(number + size, len(self.motions))):
@@ -87,8 +89,8 @@ class TriedAhead:
         self._growing.done(number + len(begun) - 1)
 
     def _begun(self, number: int) -> _Begun | None:
-        """Return which trial to make first for a motion; None if the motion isn't of a kind that is tried
-        together with others.
+        """Choose the first trial of a motion. The result is None for motions whose trials aren't made
+        together.
         """
         motion = self.motions[number]
         if motion is None:
@@ -98,7 +100,7 @@ class TriedAhead:
             return None
         profile, timing = load_profile(step.profile), step.timing
         if timing.ceiling is not None:
-            return None  # the ceiling is a further demand
+            return None  # a motion with a speed limit of its own needs other trials
         full = None if timing.speed is None else full_time(path, timing.speed)
         if timing.speed is not None:
             if full is None or not profile.has_cruise:
@@ -112,7 +114,7 @@ class TriedAhead:
             return None
         trials = Trials(path, law, bounds, tolerance)
         if full is not None and trials.foreseen_shortest() < 2.0 * full:
-            return None  # the speed can be reached
+            return None  # if the path is long enough to reach the speed, other trials are needed
         duration = None if profile.is_stretched else timing.duration
         if duration is None:
             if law.shortest is not None:
@@ -127,10 +129,10 @@ class TriedAhead:
 
 @frozen(eq=False)
 class _Begun:
-    """A motion for which it is decided which trial to make first.
+    """A motion whose first trial is chosen but not yet made.
 
-    The trial has `segments` segments of `segment` [s]. If `segment` is None, the trial is that of the
-    shortest duration.
+    The trial has `segments` segments of `segment` [s]. If `segment` is None, the shortest duration is
+    searched for.
     """
 
     path: CartesianPath

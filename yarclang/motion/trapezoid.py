@@ -1,8 +1,9 @@
-"""Compute motion profiles that speed up, cruise and slow down; their accelerations rise and fall in ramps of
+"""Compute motion profiles that speed up, cruise and slow down. Their accelerations rise and fall in ramps of
 integer numbers of segments.
 
-A form is (blend, ramp). The blend is the number of segments for speeding up, and also for slowing down. The
-ramp is the number of segments in which the acceleration rises, and in which it falls.
+A form is (blend, ramp). The blend is the number of segments in which the motion speeds up, and also of those
+in which it slows down. The ramp is the number of segments in which the acceleration rises, and also of those
+in which it falls.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ FEWEST_IN_BLEND = 2
 """Least number of segments of a blend: two ramps of one segment."""
 
 _ROUNDING = 1e-9
-"""Largest rounding error of a difference of two numbers of segments."""
+"""Largest rounding error of the difference between two numbers of segments."""
 
 
 def trapezoid(segments: int, blend: int, ramp: int) -> Array:
@@ -27,7 +28,7 @@ def trapezoid(segments: int, blend: int, ramp: int) -> Array:
 
     Args:
         segments: n, the number of segments of the motion, at least twice the blend.
-        blend: number of segments of speeding up, at least twice the ramp.
+        blend: number of segments in which the motion speeds up, at least twice the ramp.
         ramp: number of segments in which the acceleration rises.
     """
     knot = np.arange(segments + 1)
@@ -45,17 +46,18 @@ def trapezoid(segments: int, blend: int, ramp: int) -> Array:
 def cruising(segments: int, cruise: float, ramp: int) -> Array:
     """Return the control values (n + 3,) of a profile that speeds up, moves at full speed and slows down.
 
-    The full speed is given by `cruise`: the number of segments in which the robot would cover the whole path
-    at full speed. It needn't be an integer. Speeding up takes n - cruise segments, and so does slowing down.
-    If this length isn't an integer, the accelerations are a mixture of those for the two nearest integer
-    lengths.
+    The full speed is given by `cruise`: at full speed, the robot would cover the whole path in this number of
+    segments, which needn't be an integer. Speeding up takes n - cruise segments, and slowing down takes as
+    many. If this number isn't an integer, the accelerations are a mixture of those for the two nearest
+    integers.
 
     Args:
         segments: n, the number of segments of the motion, at least `cruise` + 2 and at most 2 `cruise`.
         cruise: number of segments in which the whole path would be covered at full speed.
         ramp: number of segments in which the acceleration rises, at most half of n - cruise.
     """
-    # The pulse has the sum 1, so the law gains the speed of one path per `cruise` segments.
+    # The accelerations have the sum 1: divided by `cruise`, they add up to a speed of one path per `cruise`
+    # segments.
     rise = _pulse(segments, segments - cruise, ramp)
     return _of_accelerations((rise - rise[::-1]) / cruise)
 
@@ -81,7 +83,7 @@ class Ramp:
 def between_ramps(segments: int, first: Ramp, last: Ramp) -> Array:
     """Return the control values (n + 3,) of a profile that speeds up in one ramp and slows down in another.
 
-    The time between the middles of the two ramps is the time in which the whole path would be covered at full
+    From the middle of the first ramp to the middle of the last one takes as long as the whole path at full
     speed.
 
     Args:
@@ -104,6 +106,8 @@ def to_rest(segments: int, first: Ramp, cruise: float, rise: int) -> Array:
             integer.
         rise: number of segments in which the deceleration rises, and in which it falls.
     """
+    # The middle of the last ramp is `cruise` segments after that of the first ramp. The last ramp ends with
+    # the motion.
     width = 2.0 * (segments - first.middle - cruise)
     return _of_accelerations((_shifted(segments, first) - _pulse(segments, width, rise)[::-1]) / cruise)
 
@@ -116,13 +120,13 @@ def _shifted(segments: int, ramp: Ramp) -> Array:
     whole = int(ramp.start + _ROUNDING)
     later = max(ramp.start - whole, 0.0)
     knot = np.arange(ramp.width + 1)
-    one = np.clip(np.minimum(knot, ramp.width - knot) / max(1, min(ramp.rise, ramp.width // 2)), 0.0, 1.0)
-    one /= one.sum()
+    pulse = np.clip(np.minimum(knot, ramp.width - knot) / max(1, min(ramp.rise, ramp.width // 2)), 0.0, 1.0)
+    pulse /= pulse.sum()
     pushes = np.zeros(segments + 1)
-    # A mixture of two ramps at neighbouring knots has its middle between theirs.
-    pushes[whole : whole + ramp.width + 1] += (1.0 - later) * one
+    # The middle of a mixture of two ramps is between the middles of the two.
+    pushes[whole : whole + ramp.width + 1] += (1.0 - later) * pulse
     if later > _ROUNDING:
-        pushes[whole + 1 : whole + ramp.width + 2] += later * one
+        pushes[whole + 1 : whole + ramp.width + 2] += later * pulse
     return pushes
 
 
@@ -137,8 +141,8 @@ def _pulse(segments: int, blend: float, ramp: int) -> Array:
     for size, share in ((whole, 1.0 - longer), (whole + 1, longer)):
         if share > 1e-12:
             knot = np.arange(size + 1)
-            one = np.clip(np.minimum(knot, size - knot) / max(1, min(ramp, size // 2)), 0.0, 1.0)
-            pulse[: size + 1] += share / one.sum() * one
+            shape = np.clip(np.minimum(knot, size - knot) / max(1, min(ramp, size // 2)), 0.0, 1.0)
+            pulse[: size + 1] += share / shape.sum() * shape
     return pulse
 
 
@@ -146,6 +150,7 @@ def _of_accelerations(accelerations: Array) -> Array:
     """Return the control values (n + 3,) whose second differences are the given accelerations (n + 1,) at the
     knots.
     """
+    # Sum twice: this is the inverse of the second difference. The constants of summation are two zeros.
     control = np.zeros(len(accelerations) + 2)
     control[2:] = np.cumsum(np.cumsum(accelerations))
     control[-3:] = 1.0
@@ -158,6 +163,9 @@ def trapezoid_strain(segments: int, forms: NDArray[np.int64]) -> Array:
     The unit of length is the length of the path, and the unit of time is one segment.
     """
     blend, ramp = forms.T
+    # The speed over time is a trapezoid of height v and width `segments`, with flanks of `blend` segments.
+    # Its area v (segments - blend) is the path's length, 1. The acceleration in a blend is a trapezoid too,
+    # with the area v.
     velocity = 1.0 / (segments - blend)
     acceleration = velocity / (blend - ramp)
     return np.stack((velocity, acceleration, acceleration / ramp), axis=1)

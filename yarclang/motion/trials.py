@@ -1,8 +1,8 @@
 """Try a motion profile along a path with a number of segments, and compute the segment time that each limit
 requires.
 
-The control points don't depend on the segment time. Once they are known, the shortest time in which they keep
-all limits follows in closed form.
+The control points don't depend on the segment time. Once they are known, the shortest segment time with which
+they keep all limits follows in closed form.
 """
 
 from __future__ import annotations
@@ -27,29 +27,31 @@ from yarclang.progress import go_on
 from yarclang.robot.model import Tolerance
 
 _SHARE_OF_TOLERANCE = 0.7
-"""Share of the tolerance that is used: the deviation is sampled only in the middle of each segment, and the
-proof comes later.
+"""Share of the tolerance that the planner uses. The rest is a reserve, since the deviation is only sampled,
+in the middle of each segment, and the proof is made later.
 """
 
 _SHARE_OF_SPLINE = 0.55
-"""Share of the tolerance for a spline of poses, which may bend sharply between its way-points."""
+"""Share of the tolerance that the planner uses for a spline of poses, instead of `_SHARE_OF_TOLERANCE`. Such
+a spline may bend sharply between its waypoints, and samples may miss this.
+"""
 
 
 _KEPT = 200_000
-"""Number of segments in all kept trials of a motion: 10 MB of control points."""
+"""Largest number of segments in all stored trials of a motion, about 10 MB of control points."""
 
 _FAR = 3.0
-"""Factor by which segment times must exceed the estimate from the steepest slope of a path to be far from all
-speed limits.
+"""Factor by which a segment time must exceed the estimated one for the motion to be certainly far from every
+speed limit. The estimate uses the steepest slope of the path.
 """
 
 MANY_SEGMENTS = 24
-"""Number of segments from which on the best form of a motion profile hardly depends on this number."""
+"""Number of segments above which the best form of a motion profile hardly depends on their number."""
 
 
 @frozen(eq=False)
 class Trial:
-    """The control points of a motion for a number of segments and a form of its profile, and the shortest
+    """The control points of a motion, for a number of segments and a form of its profile, and the shortest
     segment time with which they keep each limit.
     """
 
@@ -67,7 +69,7 @@ class Trial:
 
 @dataclass(slots=True)
 class Trials:
-    """All trials of a path with one motion profile; each is made only once."""
+    """All trials of a path with one motion profile. Each trial is made only once."""
 
     path: Path
     law: Law
@@ -78,7 +80,7 @@ class Trials:
     _deviations: dict[tuple[int, Form], tuple[float, float]] = field(default_factory=dict)
     _first: dict[tuple[int, float], int] = field(default_factory=dict)
     _rates: Array | None = None
-    """The steepest slope of the path over the limits of velocity, acceleration and jerk (3,)."""
+    """The steepest slope of the path, divided by the limits of velocity, acceleration and jerk, (3,)."""
     _smooth: Smooth | None = None
     _is_smooth_known: bool = False
 
@@ -87,19 +89,21 @@ class Trials:
         return self.trials([(segments, form)])[0]
 
     def trials(self, wanted: Sequence[tuple[int, Form]]) -> list[Trial]:
-        """Return several trials, each for a number of segments and a form; their joint positions are
-        solved together.
+        """Return several trials, each for a number of segments and a form. Inverse kinematics is solved for
+        all together.
         """
         return _made([(self, segments, form) for segments, form in wanted])
 
     def within(self, segments: int, segment: float) -> Trial:
-        """Return the trial of the first form that keeps the limits with a segment time [s]; if none does, the
-        fastest trial.
+        """Return the trial of the first form that keeps the limits with a segment time [s]. If no form does,
+        return the fastest trial.
         """
         forms = self.law.forms(segments)
         first = self._likely(segments, forms, segment)
         trial = self.trial(segments, _form(forms[first]))
         if trial.demand.segment <= segment:
+            # The first form is the most similar to the pure profile: go back towards it as long as the limits
+            # are kept.
             while first and self._foreseen(trial, forms[first - 1 : first])[0] <= segment:
                 nearer = self.trial(segments, _form(forms[first - 1]))
                 if nearer.demand.segment > segment:
@@ -113,7 +117,7 @@ class Trials:
         return self.fastest(segments)
 
     def fastest(self, segments: int) -> Trial:
-        """Return the trial of the form that needs the shortest segments to keep the limits."""
+        """Return the trial of the form that keeps the limits with the shortest segments."""
         return self.fastest_of([segments])[0]
 
     def fastest_of(self, numbers: Sequence[int]) -> list[Trial]:
@@ -122,30 +126,32 @@ class Trials:
         return [self._fastest[number] for number in numbers]
 
     def foreseen_least(self, trial: Trial, numbers: range) -> list[float]:
-        """Estimate the shortest segment time [s] for each of several other numbers of segments, from one
-        trial.
+        """From one trial, estimate the shortest segment time [s] for each of several other numbers of
+        segments.
 
         The estimate is exact for straight lines in joint space.
         """
         return [float(self._foreseen(trial, self.law.forms(number), number).min()) for number in numbers]
 
     def foreseen_shortest(self) -> float:
-        """Return the shortest duration [s], if the motion profile states it; otherwise estimate it from the
-        steepest slope of the path.
+        """Return the shortest duration [s] that the motion profile gives. If it gives none, estimate the
+        duration from the steepest slope of the path.
         """
         if self.law.shortest is not None:
             return self.law.shortest
         return MANY_SEGMENTS * float(self._from_slope(MANY_SEGMENTS, self.law.forms(MANY_SEGMENTS)).min())
 
     def is_slow(self, segments: int, segment: float) -> bool:
-        """Return True if motions with segments of a given time [s] are far from every speed limit, with any
-        form of the profile.
+        """Return True if motions with segments of a given time [s] are far from every speed limit, for all
+        forms of the profile.
 
-        With slow zones, the result is False.
+        With slow zones, the result is always False.
         """
         bounds, slope = self.bounds, self.path.slope
         if bounds.zones is not None:
             return False
+        # A joint or motor reaches its speed limit at this segment time: the largest speed of the profile
+        # [paths per segment] times the path's slope, divided by the limit.
         peak = float(self.law.strain(segments, self.law.forms(segments))[:, 0].max())
         share = max(
             (slope / bounds.velocity).max(),
@@ -154,15 +160,15 @@ class Trials:
         return bool(_FAR * peak * share <= segment)
 
     def deviation(self, trial: Trial) -> tuple[float, float]:
-        """Return the largest distance [m] and angle [rad] by which the curve of a trial leaves the path,
-        sampled in the middle of the segments and at the knots.
+        """Return the largest distance [m] and angle [rad] between the curve of a trial and the path. Both are
+        sampled: in the middle of the segments, and at the knots next to the start and the end.
         """
         known = self._deviations.get((trial.segments, trial.form)) or self._surely(trial)
         return known or self.path.deviation(_looked_at(trial.points), _looked_at(trial.control))
 
     def segments_for_tolerance(self, trial: Trial) -> int | None:
-        """Return the number of segments with which the curve stays within the tolerance; None if that of the
-        trial already does.
+        """Return the number of segments with which the curve stays within the tolerance; None if the trial's
+        number already suffices.
         """
         if self.path.is_straight_in_joints:
             return None
@@ -175,12 +181,12 @@ class Trials:
         excess /= _SHARE_OF_SPLINE if is_spline else _SHARE_OF_TOLERANCE
         if excess <= 1.0:
             return None
-        # The error falls with the fourth power of the number of segments.
+        # The error is proportional to 1 / n^4 for n segments.
         return max(trial.segments + 1, math.ceil(trial.segments * math.pow(min(excess, 256.0), 0.25)))
 
     def _surely(self, trial: Trial) -> tuple[float, float] | None:
-        """Return upper bounds of the distance [m] and the angle [rad] by which a trial with many segments
-        leaves the path.
+        """Return upper bounds of the distance [m] and the angle [rad] between the curve of a trial with many
+        segments and the path.
 
         The result is None if no such bounds are known, or if they don't prove that the tolerance is kept.
         """
@@ -191,7 +197,7 @@ class Trials:
         return (position, angle) if excess <= _SHARE_OF_TOLERANCE else None
 
     def _forget(self) -> None:
-        """Drop the oldest trials while all of them together have too many segments; otherwise a long motion
+        """Drop the oldest trials until all of them together have few enough segments. Otherwise a long motion
         would fill the memory.
         """
         kept = sum(segments for segments, _ in self._made)
@@ -202,7 +208,9 @@ class Trials:
             del self._made[key]
 
     def _likely(self, segments: int, forms: NDArray[np.int64], segment: float) -> int:
-        """Estimate which form of the profile is the first that keeps the limits, as an index."""
+        """Estimate the index of the first form of the profile that keeps the limits with a segment time
+        [s].
+        """
         first = self._first.get((segments, segment))
         if first is None:
             first = int(np.argmax(self._from_slope(segments, forms) <= segment))
@@ -210,21 +218,21 @@ class Trials:
         return first
 
     def _from_slope(self, segments: int, forms: NDArray[np.int64]) -> Array:
-        """Estimate the segment times (K,) that K forms of the profile need, from the steepest slope of the
-        path alone.
+        """Estimate the segment times (K,) that K forms of the profile need. The estimate uses only the
+        steepest slope of the path.
         """
         strain = self.law.strain(segments, forms)
         if self._rates is None:
             slope, bounds = self.path.slope, self.bounds
             limits = (bounds.velocity, bounds.acceleration, bounds.jerk)
             self._rates = np.array([(slope / limit).max() for limit in limits])
-        # A derivative of order k scales with 1 / h^k, so the needed segment time is the k-th root of its
-        # share.
+        # A derivative of order k scales with 1 / h^k. For its share of the joint's limit to become 1, the
+        # segment time is multiplied by the k-th root of this share.
         needed: Array = ((strain * self._rates) ** (1.0 / np.arange(1, 4))).max(axis=1)
         return needed
 
     def _foreseen(self, trial: Trial, forms: NDArray[np.int64], segments: int | None = None) -> Array:
-        """Estimate the segment times (K,) that other forms of the profile need, from a trial, with the same
+        """From a trial, estimate the segment times (K,) that other forms of the profile need, with the same
         or another number of segments.
 
         The estimate is exact for straight lines in joint space.
@@ -233,15 +241,15 @@ class Trials:
         gets = self.law.strain(segments or trial.segments, forms)
         velocity, motors, acceleration, jerk, *zones = (demand.segment for demand in trial.demands)
         asked = np.array([max(velocity, motors, *zones), acceleration, jerk])
-        # The demands of velocity, acceleration and jerk grow with the law's peaks; segment times with their
-        # roots.
+        # The needed shares of the limits grow with the profile's peaks of velocity, acceleration and jerk.
+        # The needed segment times grow with the first, second and third roots of these shares.
         needed: Array = (asked * (gets / had) ** (1.0 / np.arange(1, 4))).max(axis=1)
         return needed
 
 
 def try_together(all_trials: Sequence[Trials], wanted: Sequence[tuple[int, float]]) -> None:
-    """Make the first trial that `within` needs, and measure how far its curve leaves the path, for many paths
-    together.
+    """For many paths together, make the first trial that `within` needs, and measure its deviation from the
+    path.
 
     Args:
         all_trials: trials of paths of one arm and one moving frame.
@@ -255,8 +263,8 @@ def try_together(all_trials: Sequence[Trials], wanted: Sequence[tuple[int, float
 
 
 def find_deviations(made: Sequence[tuple[Trials, Trial]]) -> None:
-    """Measure how far the curves of several trials leave their paths, all together; the Cartesian paths are
-    of one arm and one moving frame.
+    """Measure the deviations of several trials' curves from their paths, all together. The Cartesian paths
+    must be of one arm and one moving frame.
     """
     cartesian = [
         (trials, trial, trials.path) for trials, trial in made if isinstance(trials.path, CartesianPath)
@@ -278,10 +286,10 @@ def find_deviations(made: Sequence[tuple[Trials, Trial]]) -> None:
 
 
 def look_together(wanted: Sequence[tuple[Trials, int]]) -> None:
-    """Find, for several paths of one arm and one moving frame, the form of the profile that needs the
-    shortest segments.
+    """For several paths together, find the form of the profile that needs the shortest segments. The paths
+    must be of one arm and one moving frame.
 
-    Each path has a given number of segments.
+    `wanted` has, for each path, its trials and the number of segments.
     """
     wanted = [(trials, number) for trials, number in wanted if number not in trials._fastest]
     forms = [trials.law.forms(number) for trials, number in wanted]
@@ -292,7 +300,7 @@ def look_together(wanted: Sequence[tuple[Trials, int]]) -> None:
     best = _made([(*one, _form(row)) for one, row in zip(wanted, likely, strict=True)])
     improving = [place for place, each in enumerate(forms) if len(each) > 1]
     for _ in range(3):
-        # Improve each estimate by the demands of the trial just made, up to three times.
+        # Up to three times, improve each estimate by the result of the trial that was just made.
         nearer = [
             forms[place][int(np.argmin(wanted[place][0]._foreseen(best[place], forms[place])))]
             for place in improving
@@ -333,11 +341,14 @@ def _made(wanted: Sequence[tuple[Trials, int, Form]]) -> list[Trial]:
 
 
 def _points(wanted: Sequence[tuple[Trials, list[Array]]]) -> list[list[Array]]:
-    """Return the control points of the joints for control values of the share of the path that is done; each
-    path has several sets of control values.
+    """Return the joints' control points for given trials of the law of motion.
+
+    The law is a B-spline that gives the share of the path completed at each time. For each motion there are
+    several arrays of the law's control values, one for each trial. The result has as many arrays of control
+    points.
     """
     _smoothen([trials for trials, controls in wanted if any(len(one) - 3 >= MANY for one in controls)])
-    found = list[list[Array]]()
+    control_points = list[list[Array]]()
     left = list[tuple[Path, Array]]()
     for trials, controls in wanted:
         path, own = trials.path, list[Array]()
@@ -351,18 +362,18 @@ def _points(wanted: Sequence[tuple[Trials, list[Array]]]) -> list[list[Array]]:
                 continue
             own.append(_TO_SOLVE)
             left.append((path, knots))
-        found.append(own)
+        control_points.append(own)
     solved = iter(_solved(left))
-    for (trials, _), own in zip(wanted, found, strict=True):
+    for (trials, _), own in zip(wanted, control_points, strict=True):
         path = trials.path
         own[:] = [
             through_knots(next(solved), path.start, path.end) if one is _TO_SOLVE else one for one in own
         ]
-    return found
+    return control_points
 
 
 _TO_SOLVE = np.empty((0, 0))
-"""Placeholder for control points whose joint positions are solved together with others."""
+"""Placeholder for control points that need inverse kinematics, which is solved for all together."""
 
 
 def _smoothen(all_trials: Sequence[Trials]) -> None:
@@ -380,8 +391,8 @@ def _smoothen(all_trials: Sequence[Trials]) -> None:
 
 
 def _solved(wanted: Sequence[tuple[Path, Array]]) -> list[Array]:
-    """Return, for each path, the joint positions (N, n) at its places (N,); Cartesian paths are solved
-    together.
+    """Return for each path the joint positions (N, n) at its places (N,). Inverse kinematics is solved for
+    all Cartesian paths together.
     """
     cartesian = [path for path, _ in wanted if isinstance(path, CartesianPath)]
     if len(cartesian) == len(wanted) > 1:
@@ -397,8 +408,8 @@ def _straight(path: Path, control: Array) -> Array:
 
 
 def _looked_at(points: Array) -> Array:
-    """Return the values (n + 2, ...) of a curve, from its control points, at which the distance from the path
-    is sampled.
+    """Return the values (n + 2, ...) of a curve at the places at which its distance from the path is sampled.
+    `points` are the control points.
 
     The knots 2 to n - 2 are left out, since the curve passes through solved joint positions there.
     """

@@ -1,4 +1,4 @@
-"""Word the amounts in messages about motions."""
+"""Write the amounts in messages about motions as text."""
 
 from __future__ import annotations
 
@@ -15,10 +15,12 @@ MessageAbout = tuple[str, str, Span, str, Fix | None, Subject]
 """A message, and the subject of the finding."""
 
 _ANGLE_NOISE = 1e-3
-"""Angle below which an angle beside a distance is noise of the search for the distance [rad]."""
+"""Largest error of orientation [rad] that isn't reported: the search for the least distance leaves such
+errors.
+"""
 
 _DISTANCE_NOISE = 1e-6
-"""Distance below which a distance beside an angle is noise of the search for both [m]."""
+"""Largest error of position [m] that isn't reported: the search leaves such errors."""
 
 
 def percent_text(share: float) -> str:
@@ -27,8 +29,8 @@ def percent_text(share: float) -> str:
 
 
 def miss_text(distance: float, angle: float) -> str:
-    """Return an error of position [m], of orientation [rad] or of both in words; amounts that are only
-    rounding are left out.
+    """Return an error of position [m], of orientation [rad] or of both as text. An error that is only
+    numerical noise is left out.
     """
     if angle <= _ANGLE_NOISE:
         return length_text(distance)
@@ -47,7 +49,7 @@ def amount_text(robot: Robot, joint: int, value: float) -> str:
 
 
 def beyond_text(robot: Robot, joint: int, excess: float) -> str:
-    """Return in words how far a joint is beyond its limits [rad or m]; a negative amount is beyond the
+    """Return as text by how much a joint is beyond its limits. A negative `excess` [rad or m] is below the
     lower limit.
     """
     side = "above its upper" if excess > 0 else "below its lower"
@@ -59,4 +61,7 @@ def range_text(robot: Robot, joint: int) -> str:
     lower, upper = (
         limit[joint] / robot.axis_units[joint] for limit in (robot.limits.lower, robot.limits.upper)
     )
-    return f"{robot.joint_names[joint]} goes from {lower:.6g} to {upper:.6g} {robot.axis_unit_names[joint]}"
+    return (
+        f"the limits of {robot.joint_names[joint]} are {lower:.6g} and {upper:.6g} "
+        f"{robot.axis_unit_names[joint]}"
+    )

@@ -1,6 +1,7 @@
-"""Compute how slow a motion must be to keep the slow zones of the cell.
+"""Compute the segment times with which a motion keeps the slow zones of the cell.
 
-Slow zones are limits like any other, since the control points of a motion don't depend on the segment time.
+Slow zones are treated like all other limits, since the control points of a motion don't depend on the segment
+time.
 """
 
 from __future__ import annotations
@@ -23,29 +24,33 @@ from yarclang.robot.model import Robot
 from yarclang.transforms import constant
 
 HEADROOM = 4e-4
-"""The share of a zone's speed that is left for printing with finitely many decimals."""
+"""Share of a zone's speed limit that is held in reserve, since control points are printed with finitely many
+decimals.
+"""
 
 BELOW_CEILING = 1.0 - 2.0 * HEADROOM
-"""Share of the speed limit that a motion sets itself, at which it cruises."""
+"""Share of the speed limit set by a motion's command at which the motion cruises."""
 
 _SHARP = 1e-3
-"""Relative accuracy of speeds: a motion may be slower than allowed by this share."""
+"""Relative accuracy of computed speeds: a motion may be slower than necessary by this share."""
 
 _PLACES = 100
-"""Places of a path that are sampled to estimate its speed."""
+"""Number of places of a path that are sampled to estimate the speed along it."""
 
 _FEW = 12
-"""Parts of a path that are examined to find out if it may enter a zone."""
+"""Number of parts of a path that are examined to find out if it may enter a zone."""
 
 _STEEPER = 1.5
 """Factor by which a path may be steeper at some places than its estimated slope."""
 
 _LARGER = 2.0 * SLACK
-"""Distance by which zones are enlarged [m]: the printed curve may enter them although this one doesn't."""
+"""Distance by which zones are enlarged [m]: the printed curve may enter them although the planned curve
+doesn't.
+"""
 
 
 _TOGETHER = 8
-"""Number of segments in a group, of which the fastest is found."""
+"""Number of consecutive segments in a group. Only the fastest segment of a group is reported."""
 
 
 @frozen(eq=False)
@@ -63,13 +68,13 @@ class SlowZones:
     def asked(
         self, points: Array, segment: float, *, stops: bool = False
     ) -> Iterator[tuple[float, int, Watch]]:
-        """Yield the segment times that slow zones require of control points (N, n), if they exceed a given
-        one [s].
+        """Yield the segment times [s] that slow zones require of control points (N, n). Each one is longer
+        than `segment`, and than all yielded before.
 
         Args:
             points: the control points.
             segment: the segment time that other limits already require [s].
-            stops: True to end after the first item, if it only matters that a zone requires more.
+            stops: True to yield at most one item.
 
         Yields:
             The segment time [s], the first control point of the most demanding difference, and the watched
@@ -82,7 +87,7 @@ class SlowZones:
         whole = Whole(self.scene, course, span)
         for watch in self.watches:
             limit = (watch.zone.speed or 0.0) * (1.0 - HEADROOM)
-            found = fastest_inside(
+            fastest = fastest_inside(
                 self.scene,
                 course,
                 span,
@@ -93,16 +98,19 @@ class SlowZones:
                 stops=stops,
                 sharp=_SHARP,
             )
-            if found.segment[0] >= 0:
-                # Smaller demands no longer matter.
-                segment = float(found.speed[0]) / limit
-                yield segment, int(found.segment[0]) + 1, watch
+            if fastest.segment[0] >= 0:
+                # From now on, only longer segment times matter.
+                segment = float(fastest.speed[0]) / limit
+                yield segment, int(fastest.segment[0]) + 1, watch
                 if stops:
                     return
 
     def too_fast(self, points: Array, segment: float) -> tuple[Array, Array]:
-        """Return the segments in which an item is too fast in its slow zone, one of each group of segments,
-        and by which factor.
+        """Return the segments in which an item is too fast in its slow zone, with the factor by which it is
+        too fast.
+
+        For each watched item, at most one segment of each group of `_TOGETHER` segments is returned: the
+        fastest.
 
         Args:
             points: the control points (N, n).
@@ -133,7 +141,7 @@ class SlowZones:
 
         Args:
             way: function that returns joint positions (N, n) at places (N,) of the path.
-            slope: (n,) the largest derivatives of the joints with respect to s, approximately.
+            slope: (n,) the approximate largest derivatives of the joint positions with respect to s.
         """
         q = way(np.linspace(0.0, 1.0, _FEW + 1))
         step = np.broadcast_to(_STEEPER * slope / _FEW, q[1:].shape)
@@ -142,7 +150,8 @@ class SlowZones:
         return SlowZones(self.scene, near) if near else None
 
     def shortest(self, way: Callable[[Array], Array]) -> float:
-        """Estimate the least time [s] in which the zones allow the whole path at constant speed.
+        """Estimate the shortest duration [s] of a traversal of the whole path at one constant speed that
+        breaks no limit of the slow zones.
 
         `way` is a function that returns joint positions (N, n) at places (N,) of the path.
         """
@@ -151,11 +160,15 @@ class SlowZones:
 
     @property
     def ceiling(self) -> float:
-        """The speed limit that a motion sets for its own frame everywhere [m/s]; infinite if it sets none."""
+        """The speed limit that a motion's command sets for its frame everywhere [m/s]; infinite if it sets
+        none.
+        """
         return min((one.zone.speed or 0.0 for one in self.watches if is_ceiling(one)), default=np.inf)
 
     def without_ceiling(self) -> SlowZones | None:
-        """Return the slow zones of the cell, without the speed limit that the motion sets itself."""
+        """Return the slow zones of the cell, without the speed limit that the motion's command sets. None if
+        there are none.
+        """
         rest = tuple(one for one in self.watches if not is_ceiling(one))
         if len(rest) == len(self.watches):
             return self
@@ -173,20 +186,20 @@ class SlowZones:
 
 
 def slow_zones(robot: Robot, cell: Cell | None, motion: Motion) -> SlowZones | None:
-    """Return the slow zones that apply to a motion, with the speed limit that the motion sets itself; None if
-    there are none.
+    """Return the slow zones of the cell that apply to a motion, together with the speed limit that its
+    command sets. None if there is neither.
     """
     has_zones = cell is not None and any(zone.rule == "slow" for zone in cell.zones)
     ceiling = motion.timing.ceiling
     if not has_zones and ceiling is None:
         return None
-    made = scene_of(robot, cell)
-    if made.value is None:
-        return None  # a mesh can't be read: nothing is emitted
+    result = scene_of(robot, cell)
+    if result.value is None:
+        return None  # a mesh can't be read, so no controller text is written
     moving = moving_of(robot, motion)
     watches = watches_of(robot, cell, moving) if cell is not None else ()
     own = () if ceiling is None else (ceiling_watch(robot, moving, ceiling),)
-    return SlowZones(made.value, (*(one for one in watches if one.zone.rule == "slow"), *own))
+    return SlowZones(result.value, (*(one for one in watches if one.zone.rule == "slow"), *own))
 
 
 def moving_of(robot: Robot, motion: Motion) -> Moving:
@@ -205,11 +218,11 @@ def moving_of(robot: Robot, motion: Motion) -> Moving:
 
 
 def _in_knots(points: Array) -> Course:
-    """Return the curve of control points (N, n), timed with segments of 1 s."""
+    """Return the curve with control points (N, n), for segments of 1 s."""
     f0, f1, f2, f3 = (points[at : len(points) - 3 + at] for at in range(4))
     steps = f1 - f0, f2 - f1, f3 - f2
     first, second = steps[1] - steps[0], steps[2] - steps[1]
-    # The velocity is in the hull of its Bezier points.
+    # The velocity is in the convex hull of its Bezier points.
     peaks = np.maximum.reduce(
         [np.abs(steps[0] + steps[1]) / 2.0, np.abs(steps[1]), np.abs(steps[1] + steps[2]) / 2.0]
     )

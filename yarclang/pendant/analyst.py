@@ -1,5 +1,5 @@
-"""Analysts: language servers for the editor pages. An analyst checks the programs that one page has open.
-Each runs in a process of its own, so that it can't disturb the process that streams to the controller.
+"""Analysts: language servers for the editor pages. Each analyst checks the programs that one page has open.
+It runs in a process of its own, so that it can't disturb the process that streams to the controller.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ _LARGEST = 16 << 20
 """Longest message of an analyst [bytes]."""
 
 _LARGEST_TOLD = 4 << 20
-"""Longest message to a page [characters]."""
+"""Longest message that is passed to a page [characters]."""
 
 _LAST = 2.0
-"""Time for an analyst to end by itself after its input has ended [s]."""
+"""Longest wait until an analyst that was killed has ended [s]."""
 
 Say = Callable[[str], Awaitable[None]]
 
@@ -47,7 +47,7 @@ class Analysts:
     """
 
     def __init__(self, robot: Robot, folder: Path, inside: Callable[[str], Path]) -> None:
-        described = robot.folder / "robot.toml"
+        described = robot.file
         self._robot = str(described) if described.is_file() else robot.name
         self._folder = folder
         self._inside = inside
@@ -65,7 +65,7 @@ class Analysts:
         """
         if self._serving >= MOST:
             raise Trouble(
-                f"{MOST} pages have an analyst already: findings aren't shown here", "close another one", ""
+                f"{MOST} pages already have an analyst: findings aren't shown here", "close another one", ""
             )
         self._serving += 1
         analyst = Analyst(self._command(), self._folder, self._inside, say)
@@ -123,7 +123,7 @@ class Analyst:
                 self._passing.again()
         await self._tell(
             "yarc/ended",
-            "the analyst has ended twice: findings aren't shown; open the program again to start it",
+            "the analyst has ended twice, and findings aren't shown: open the program again to restart it",
         )
 
     async def take(self, text: str) -> None:

@@ -21,8 +21,8 @@ resource.setrlimit(resource.RLIMIT_AS, (most, most))
 resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 importlib.import_module(sys.argv.pop(1)).main()
 """
-"""First Python statements of each process. They give the process ordinary scheduling, even if the pendant
-has real-time scheduling, and limit its memory; then they call `main` of the process's module.
+"""First Python statements of each process. They switch off real-time scheduling, which the pendant may have,
+and limit the memory of the process. Then they call `main` of the process's module.
 """
 
 

@@ -30,13 +30,13 @@ MOST_UPLOADED = 100_000_000
 """Largest file that is uploaded [bytes]."""
 
 _AT_ONCE, _OF_ONE = 4, 2
-"""Most uploads at the same time: of all sessions, and of one session."""
+"""Largest number of uploads at the same time: of all sessions together, and of each session."""
 _PIECE = 1 << 18
 """Size of the pieces in which an upload is written [bytes]."""
 _SILENCE = 20.0
 """Longest time without data in an upload [s]."""
 _START, _SLOWEST = 30.0, 10_000
-"""Longest time of an upload: `_START` [s] plus 1 s for each `_SLOWEST` bytes."""
+"""Longest time of an upload: `_START` [s], plus its size divided by `_SLOWEST` [bytes/s]."""
 _MOST_DEEDS = 20_000
 _MOST_HASHED = 200
 _LARGEST_HASHED = 16_000_000
@@ -71,12 +71,12 @@ class Filing:
             known_hash: SHA-256 of the version that was edited; None if the file doesn't exist yet.
 
         Raises:
-            Trouble: the file has changed meanwhile, or can't be written.
+            Trouble: the file is no longer the version that was edited, or can't be written.
         """
         data = text.encode()
         if len(data) > MOST_TEXT:
             raise Trouble(
-                f"{quoted(file)} would have {len(data):,} bytes, and at most {MOST_TEXT:,} are saved here",
+                f"{quoted(file)} would have {len(data):,} bytes, but at most {MOST_TEXT:,} can be saved here",
                 "divide it, or upload it", "large",
             )  # fmt: skip
 
@@ -105,7 +105,7 @@ class Filing:
 
         Raises:
             NotAllowed: the session lacks the role or the PIN.
-            Trouble: the file has changed meanwhile, or can't be written.
+            Trouble: the file is no longer the version that was edited, or can't be written.
         """
         self.check_service(session)
         data = text.encode()
@@ -127,7 +127,7 @@ class Filing:
         self, session: Session, address: str, file: str, known_hash: str | None, length: int | None,
             stream: AsyncIterator[bytes]
     ) -> Written:  # fmt: skip
-        """Write an uploaded file while it arrives. If the upload is interrupted, nothing is left of it.
+        """Write an uploaded file while it arrives. If the upload is interrupted, no part of the file is left.
 
         Args:
             session: session of the user.
@@ -146,7 +146,7 @@ class Filing:
             raise _too_large(file, length or 0)
         if len(self._uploads) >= _AT_ONCE or self._uploads.count(session.id) >= _OF_ONE:
             raise Trouble(
-                f"{len(self._uploads)} files are uploaded just now, and at most {_OF_ONE} of one person",
+                f"{len(self._uploads)} files are being uploaded, but at most {_OF_ONE} by one person",
                 "try again when one of them is done", "busy",
             )  # fmt: skip
         self._uploads.append(session.id)
@@ -159,7 +159,7 @@ class Filing:
                     raise _too_large(file, draft.size)
             if length is not None and draft.size != length:
                 raise Trouble(
-                    f"{quoted(file)} has {length:,} bytes, and {draft.size:,} came", "try again", ""
+                    f"{quoted(file)} has {length:,} bytes, but {draft.size:,} were received", "try again", ""
                 )
             detail = {"file": file, "size": draft.size, "sha256": draft.sha256, "new": known_hash is None}
             return await self._done(
@@ -179,7 +179,7 @@ class Filing:
         def copied() -> Written:
             def check(draft: Draft) -> None:
                 if draft.sha256 != read:
-                    raise Trouble(f"{quoted(file)} changes just now", "try again", "")
+                    raise Trouble(f"{quoted(file)} is being changed", "try again", "")
 
             return self.folder.copy(file, to, check)
 
@@ -256,7 +256,8 @@ class Filing:
                 self._check_service(session, reason)
 
         def checked() -> T:
-            # Another request may change the target of a path (a link) in between.
+            # Lock the folder. Otherwise another request could change the target of a link between the check
+            # and the action.
             with self.folder.unchanged():
                 check()
                 return do()
@@ -308,7 +309,7 @@ class Filing:
         return await asyncio.to_thread(self._detail_text, state, [deed for _, deed in deeds])
 
     async def difference(self, file: str) -> tuple[str, str]:
-        """Return two texts of a file: in the last commit, and now. See `Git.difference`."""
+        """Return the text of a file in the last commit, and its present text. See `Git.difference`."""
         async with self._asking:
             return await asyncio.to_thread(self._git.difference, file)
 
@@ -333,7 +334,7 @@ class Filing:
 
 
 async def arriving(file: str, stream: AsyncIterator[bytes]) -> AsyncIterator[bytes]:
-    """Yield the data of an upload, collected to pieces of a size that is efficient to write.
+    """Yield the data of an upload, joined to pieces that are large enough to write efficiently.
 
     Args:
         file: name of the file, for error messages.
@@ -367,10 +368,10 @@ async def arriving(file: str, stream: AsyncIterator[bytes]) -> AsyncIterator[byt
 
 def _too_large(file: str, size: int) -> Trouble:
     return Trouble(
-        f"{quoted(file)} has {size:,} bytes or more, and at most {MOST_UPLOADED:,} are uploaded",
+        f"{quoted(file)} has {size:,} bytes or more, but at most {MOST_UPLOADED:,} can be uploaded",
         "copy it on the computer itself", "large",
     )  # fmt: skip
 
 
 def _too_slow(file: str) -> Trouble:
-    return Trouble(f"{quoted(file)} comes too slowly", "look at the network, and try again", "")
+    return Trouble(f"{quoted(file)} is transferred too slowly", "check the network, and try again", "")

@@ -1,5 +1,5 @@
-"""Gate for the orders that users give to their robot: rights and files are checked, and the order is
-written to the audit trail.
+"""Gate for the orders that users give to their robot. It checks the rights of the user and the files in the
+order, and writes the order to the audit trail.
 """
 
 from __future__ import annotations
@@ -28,8 +28,15 @@ from yarclang.runtime.actions import Trouble
 
 R = TypeVar("R", bound=Reply)
 
-_AT_ONCE = (orders.Stop, orders.Hold, orders.Abort)
-"""Orders that everybody may give, and that never wait for a disk or a seat."""
+AT_ONCE = (orders.Stop, orders.Hold, orders.Abort)
+"""Orders that every user may give. They never wait for a disk or a seat (a session's client at the
+coordinator).
+"""
+
+_ANYTIME = (orders.Own, orders.Give, orders.Release, orders.Override)
+"""Audited orders that are carried out even if a stop, hold or abort was ordered while they were written to
+the audit trail, because they neither move the robot nor set an output.
+"""
 
 _SHARED = (
     orders.AskStatus,
@@ -55,8 +62,8 @@ _MOST_FILES = 10_000
 _MOST_CALLED = 1000
 _LONGEST_DETAIL = 500
 _ABSENT = 10.0
-"""If the owner of the robot has had no open page for this time and nothing is running, another session may
-take control [s].
+"""Time after which an absent owner loses the robot [s]: if the owner has had no open page and has given no
+order for this time, and nothing is running, another session may take control.
 """
 
 
@@ -70,8 +77,11 @@ class Gate:
         watched: shared client of the coordinator, which knows the robot's state.
         files: files of the project; orders can't name other files.
         now: returns the time of a monotonic clock [s].
-        loaded: called after a session has loaded a program, with the program's number and the order, whose
-            paths are resolved.
+        loaded: called after a session has loaded a program. The arguments are the session, the program's
+            number, and the order with resolved paths.
+
+    Attributes:
+        rests: number of stops, holds and aborts that users have ordered so far.
     """
 
     def __init__(
@@ -83,6 +93,7 @@ class Gate:
         now: Callable[[], float],
         loaded: Callable[[Session, int, orders.Load], object] = lambda *_: None,
     ) -> None:
+        self.rests = 0
         self._loaded = loaded
         self.folder = files.root
         self._files = files
@@ -106,7 +117,7 @@ class Gate:
             NotAllowed: the order needs another role.
             Trouble: the order can't be carried out.
         """
-        if type(order) in _AT_ONCE:
+        if type(order) in AT_ONCE:
             return await self._at_once(session, order, address)
         self.check(session, order, address)
         inside = self._within(order)
@@ -119,12 +130,17 @@ class Gate:
         if isinstance(order, orders.Run):
             self._watched.showing.runs(self._called.get((session.id, "run", order.program), ""))
         deed = Deed(session.user, address, name_of(order), self.meant(session, order))
+        rests = self.rests
         if isinstance(order, orders.Override):
             self._accounts.note(deed)
         else:
             await self._accounts.did(deed)
         try:
-            reply = await (await self._client(session, order)).ask(inside)
+            self._check_open(session)  # the user may have logged out, or was removed, during the wait
+            client = await self._client(session, order)
+            if not isinstance(order, _ANYTIME):
+                self.check_not_stopped(rests)
+            reply = await client.ask(inside)
         except Trouble as trouble:
             self._accounts.note(
                 Deed(session.user, address, name_of(order), deed.detail, f"refused: {trouble.what}")
@@ -142,13 +158,12 @@ class Gate:
             NotAllowed: the session lacks the role or the PIN.
             Trouble: the audit trail can't be written.
         """
-        if self._accounts.is_over(session):
-            raise NotAllowed("this session has ended", "log in again", "login")
+        self._check_open(session)
         role = needed_for(order)
         try:
             if role is None:
                 raise NotAllowed(
-                    f"{name_of(order)} isn't ordered by way of the pendant", "see the API's page", ""
+                    f"{name_of(order)} can't be ordered through the pendant", "see the API's page", ""
                 )
             self._accounts.check(session, role, pin=isinstance(order, WITH_PIN))
         except NotAllowed as refused:
@@ -159,9 +174,27 @@ class Gate:
         if self._accounts.trouble is not None and isinstance(order, (*AUDITED, *wants.KINDS)):
             raise self._accounts.trouble
 
+    def _check_open(self, session: Session) -> None:
+        if self._accounts.is_over(session):
+            raise NotAllowed("this session has ended", "log in again", "login")
+
+    def check_not_stopped(self, rests: int) -> None:
+        """Check that no user has ordered a stop, hold or abort since an order was given. An order waits for
+        the audit trail, and a slow disk can delay it for seconds. The robot must not move after a stop that
+        was ordered meanwhile.
+
+        Args:
+            rests: value of `rests` when the order was given.
+
+        Raises:
+            Trouble: a stop, hold or abort was ordered.
+        """
+        if self.rests != rests:
+            raise Trouble("stopped before it began; nothing moved", "order it again", "")
+
     def _remember(self, session: Session, order: Order[Any], answer: Reply) -> None:
-        """Remember which motion or program file a number in the coordinator's reply stands for. Later
-        orders contain only the number, and the audit trail shows its meaning.
+        """Remember the meaning of a number in the coordinator's reply: the motion or the program file. Later
+        orders contain only the number, and the audit trail must show its meaning.
         """
         if isinstance(answer, Offered) and answer.offer is not None:
             meant = answer.offer.text or answer.offer.title
@@ -180,6 +213,7 @@ class Gate:
     async def _at_once(self, session: Session, order: Order[R], address: str) -> R:
         if not isinstance(order, orders.Stop):
             self._accounts.check(session, Role.OPERATOR)
+        self.rests += 1
         made = await self._watched.attached.ask(order)
         self._accounts.note(Deed(session.user, address, name_of(order)))
         return made
@@ -190,10 +224,11 @@ class Gate:
     # control of the robot
 
     async def ask_for_control(self, session: Session, address: str) -> Asked:
-        """Take control of the robot if it has no owner, otherwise ask its owner for it.
+        """Take control of the robot if it has no owner, or if its owner's pages have been closed for some
+        time. Otherwise ask the owner for control.
 
         Raises:
-            Trouble: another client owns the robot that isn't a session of this pendant, so it can't be asked.
+            Trouble: the robot's owner isn't a session of this pendant, so it can't be asked.
         """
         self.check(session, orders.Own(), address)
         seat = await self._seats.of(session)
@@ -210,7 +245,7 @@ class Gate:
                 raise
             text = f"{session.user} asks for control of the robot"
             self._watched.notice(Notice(text=text, ask=session.id), other)
-            return Asked(given=False, owner=owner or "", what=f"{owner} was asked, and decides")
+            return Asked(given=False, owner=owner or "", what=f"{owner} was asked for control, and decides")
         return Asked(given=True, owner=seat.welcome.name, what="you control the robot")
 
     async def give_control(self, session: Session, to: str, address: str) -> Asked:
@@ -252,7 +287,9 @@ class Gate:
     def _is_absent(self, session: str) -> bool:
         if self._watched.pages_of(session) or self._watched.showing.under_way:
             return False
-        return self._now() - self._gone.get(session, -_ABSENT) >= _ABSENT
+        known = self._accounts.sessions.called(session)
+        last = -_ABSENT if known is None else known.seen
+        return self._now() - max(last, self._gone.get(session, last)) >= _ABSENT
 
     # files
 
@@ -265,7 +302,7 @@ class Gate:
         return Programs(folder=str(self.folder), programs=tuple(shown))
 
     def _within(self, order: Order[R]) -> Order[R]:
-        """Return an order in which the paths of files are resolved in the project."""
+        """Return an order with the paths of its files resolved in the project."""
         if isinstance(order, orders.Load):
             named = {key: getattr(order, key) for key in ("file", "cell", "source")}
         elif isinstance(order, orders.Save):

@@ -1,5 +1,5 @@
-"""Hold-to-run for orders that the coordinator carries out while a button is held: offers, that is, motions
-that were planned and proved before the start, and home searches of motors.
+"""Hold-to-run for orders that are carried out while a button is held. These are offers (motions that were
+planned and proved before the start) and home searches of motors.
 """
 
 from __future__ import annotations
@@ -14,15 +14,15 @@ from yarclang.pendant.accounts.accounts import Accounts
 from yarclang.pendant.accounts.people import Deed
 from yarclang.runtime.actions import Trouble
 
-LET_GO = "it was let go before it began"
+LET_GO = "the button was released before the start"
 
 
 Wanted = orders.Go | orders.Home
 
 
 class Going:
-    """An offered motion or a home search that runs while a button is held. The object lives from the first
-    press of the button to the end of the motion.
+    """An offered motion or a home search that runs while a button is held. An object of this class exists
+    from the first press of the button to the end of the motion.
 
     The coordinator has a watchdog for the motion: if `keep` isn't called at least every 0.2 s, the robot
     comes to rest on its path.
@@ -33,12 +33,13 @@ class Going:
         accounts: accounts with the audit trail.
         deed: function that returns the audit trail's entry for an order and its outcome.
         moves: returns True if the robot is executing something.
-        ended: called at the end with this object, the reason and a remedy. Both texts are empty if the robot
-            has reached the end of the motion.
+        check: raises `Trouble` if a stop was ordered since the button was pressed.
+        ended: called at the end with this object, the reason for the end and a remedy. Both texts are empty
+            if the robot has reached the end of the motion.
 
     Attributes:
         order: the order.
-        ends: True as soon as the motion can't continue, because it is over or about to end.
+        ends: True as soon as the motion can't continue any more: it is over or about to end.
     """
 
     def __init__(
@@ -48,6 +49,7 @@ class Going:
         accounts: Accounts,
         deed: Callable[[Wanted | orders.Resume, str], Deed],
         moves: Callable[[], bool],
+        check: Callable[[], None],
         ended: Callable[[Going, str, str], None],
     ) -> None:
         self.order = order
@@ -56,6 +58,7 @@ class Going:
         self._accounts = accounts
         self._deed = deed
         self._moves = moves
+        self._check = check
         self._ended = ended
         self._held = True
         self._asked = False
@@ -74,7 +77,7 @@ class Going:
         """Continue along the same path after a release.
 
         Args:
-            is_held: function that returns False if the button was released again meanwhile.
+            is_held: function that returns False if the button has been released again.
 
         Raises:
             Trouble: the motion can't continue.
@@ -83,8 +86,9 @@ class Going:
         await self._accounts.did(self._deed(order, ""))
         if self.ends or not is_held():
             return
-        # From here to the orders there must be no await, so that a release of the button is handled after
-        # them.
+        self._check()
+        # No await may follow before the orders are sent. Otherwise a release of the button could be handled
+        # before them.
         self._held = True
         self._seat.send(orders.Keep())
         await self._seat.ask(order)
@@ -95,10 +99,10 @@ class Going:
         if self._asked and self._moves() and not self.ends:
             self._seat.send(orders.Hold())
         else:
-            self.stop()  # an order that hasn't begun won't begin
+            self.stop()  # an order that hasn't begun is cancelled
 
     def stop(self) -> None:
-        """End the motion at the present place on its path."""
+        """Bring the robot to rest on its path, and end the motion there."""
         self._held = False
         if self._asked and not self.ends:
             self._seat.send(orders.Stop())
@@ -121,6 +125,7 @@ class Going:
             await self._accounts.did(self._deed(order, ""))
             if not self._held:
                 raise Trouble(LET_GO, "", "")
+            self._check()
             self._asked = True
             ended = await self._seat.ask(order)
             if not ended.well:

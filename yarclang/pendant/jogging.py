@@ -1,16 +1,16 @@
-"""Hold-to-run: while a button is pressed in a browser, the pendant sends requests to a live motion of the
+"""Hold-to-run: while a button is pressed in a browser, the pendant sends targets to a live motion of the
 robot, that is, a motion whose target can change while it runs.
 
 A press moves the robot only while fresh messages arrive. The page sends 20 messages a second, each with the
-pressed button and the last heartbeat that it has received. If no message arrives for 0.2 s, the coordinator's
-own watchdog ends the motion. A message ends the press if the heartbeat in it is more than `FRESH` heartbeats
-old.
+pressed button and the last heartbeat that the page has received. If this heartbeat is too old, the message
+ends the press. If no message arrives for 0.2 s, the coordinator's own watchdog ends the motion.
 """
 
 from __future__ import annotations
 
 import asyncio
 import contextlib
+from collections import deque
 from collections.abc import Awaitable, Callable
 from typing import Any
 
@@ -36,7 +36,14 @@ BEAT = 0.05
 """Time between two heartbeats [s]."""
 
 FRESH = 5
-"""Greatest age of the heartbeat in a message from a page, in heartbeats. An older message ends the press."""
+"""Greatest allowed age of the heartbeat in a page's message, in heartbeats. A message with an older one ends
+the press.
+"""
+
+_FRESH_FOR = (FRESH + 1) * BEAT
+"""Time for which a heartbeat is fresh [s]. While this process doesn't run (because it is suspended, for
+example), it sends no heartbeats, so their number alone doesn't show how old a message is.
+"""
 
 SILENCE = 0.2
 """Time without a message from the page after which a press ends [s]. The coordinator's watchdog ends the
@@ -44,7 +51,7 @@ motion after the same time.
 """
 
 TURN = 30.0
-"""Largest rate of a jog about an axis [deg/s]."""
+"""Rate of a rotating jog at 100 % [deg/s]."""
 
 _REST = 1.5
 """Longest wait for the previous jog to come to rest [s]."""
@@ -52,7 +59,7 @@ _REST = 1.5
 _LOOKED_EACH = 0.01
 
 _REACHED = 2e-3
-"""Distance of every joint from its target position within which a step is complete [deg or mm]."""
+"""A step is complete if every joint is at most this far from its target position [deg or mm]."""
 
 Say = Callable[[Message], Awaitable[None]]
 
@@ -92,8 +99,10 @@ class JogLine:
         self._under_way = under_way
         self._say = say
         self._beat = 0
+        self._beaten: deque[float] = deque(maxlen=FRESH + 1)
         self._ended = 0
         self._active = 0
+        self._rests = 0
         self._begun = False
         self._goal: wants.Want | None = None
         self._seat: Attached | None = None
@@ -119,25 +128,32 @@ class JogLine:
             self._end_going()
 
     def take(self, message: Press | LetGo) -> None:
-        """Accept a message of the page. Doesn't wait."""
+        """Accept a message of the page. Returns at once."""
         if isinstance(message, LetGo):
             self.let_go(message.release)
             if message.end:
                 self._end_going()
         elif message.press <= self._ended:
             pass  # the message was sent before the press ended
-        elif not self._beat - FRESH <= message.beat <= self._beat:
+        elif not self._is_fresh(message.beat):
             self._over(
                 message.press,
                 "the pressed button's message came too late",
                 "the network is slow: press again",
             )
         elif self._active and message.press != self._active:
-            self._over(message.press, "something else is pressed already", "let all go, then press again")
+            self._over(
+                message.press, "another button is pressed already", "release all buttons, then press again"
+            )
         else:
             self._heard = self._now()
             self._newest = message
             self._arrived.set()
+
+    def _is_fresh(self, beat: int) -> bool:
+        """Return True if a heartbeat was sent a short time ago."""
+        age = self._beat - beat
+        return 0 <= age < len(self._beaten) and self._now() - self._beaten[-1 - age] <= _FRESH_FOR
 
     def let_go(self, press: int) -> None:
         """End a press: the robot comes to rest on its path."""
@@ -147,8 +163,9 @@ class JogLine:
     async def _beats(self) -> None:
         while True:
             self._beat += 1
+            self._beaten.append(self._now())
             if self._active and self._now() - self._heard > SILENCE:
-                what = f"the page said nothing for {SILENCE:g} s"
+                what = f"the page sent nothing for {SILENCE:g} s"
                 self._over(self._active, what, "press again")
             await self._say(Beat(beat=self._beat))
             await asyncio.sleep(BEAT)
@@ -162,7 +179,12 @@ class JogLine:
                 await self._go(press, orders.Home(motors=press.home))
                 return
             if press.press == self._active:
-                assert self._seat is not None
+                if self._seat is None:
+                    raise Trouble(
+                        "the pressed button carries out an offer or a home search",
+                        "release it, then press another",
+                        "",
+                    )
                 reply = await self._seat.ask(self._goal or await self._pressed.of(press, self._seat))
             else:
                 reply = await self._begin(press)
@@ -170,13 +192,13 @@ class JogLine:
             self._over(press.press, trouble.what, trouble.remedy, trouble.code)
             return
         if press.press <= self._ended:
-            self._rest()  # the button was released while the motion began
+            self._rest()  # the button was released during the request
             return
         if reply.behind is not None and all(abs(one) < _REACHED for one in reply.behind.values()):
             self._active = 0
             self._ended = press.press
             assert self._seat is not None
-            self._seat.send(wants.Finish())  # the buffered motion ends there
+            self._seat.send(wants.Finish())  # the lines in the controller's buffer already lead to the target
             self._let_others()
             await self._say(Jogging(press=press.press, state="reached", why=""))
             return
@@ -194,12 +216,17 @@ class JogLine:
                 the session jogs.
         """
         self._active, self._begun, self._goal, self._seat = press.press, False, None, None
+        self._rests = self._gate.rests
         self._gate.check(self._session, order, self._address)
         if not self._gate.owns(self._session):
             raise Trouble("you don't control the robot", "take control first", "")
         if self._seats.jogging.setdefault(self._session.id, self) is not self:
-            raise Trouble("another page of yours jogs already", "let go there", "")
+            raise Trouble("another of your pages is jogging already", "let go there", "")
         self._accounts.used(self._session)
+
+    def _check_not_stopped(self) -> None:
+        """Raise `Trouble` if a user has ordered a stop, hold or abort since the button was pressed."""
+        self._gate.check_not_stopped(self._rests)
 
     async def _go(self, press: Press, order: Wanted) -> None:
         """Carry out an offer or a home search while its button is pressed."""
@@ -221,14 +248,20 @@ class JogLine:
             if press.press <= self._ended:
                 raise Trouble(LET_GO, "", "")
             going = Going(
-                order, seat, self._accounts, deed, lambda: bool(self._under_way()), self._going_over
+                order,
+                seat,
+                self._accounts,
+                deed,
+                lambda: bool(self._under_way()),
+                self._check_not_stopped,
+                self._going_over,
             )
             self._going = going
             going.begin()
 
     def _going_over(self, going: Going, problem: str, help_: str) -> None:
         if going is not self._going:
-            return  # another button is pressed by now
+            return  # another button was pressed meanwhile
         press, self._going = self._active, None
         if not press:
             self._tell(Jogging(press=self._ended, state="ended", why=problem, help=help_))
@@ -267,6 +300,7 @@ class JogLine:
         want = self._goal or await self._pressed.of(press, seat)
         if press.press <= self._ended:
             raise Trouble(LET_GO, "", "")
+        self._check_not_stopped()
         self._seat = seat
         await seat.ask(
             orders.Steer(
@@ -309,7 +343,7 @@ class JogLine:
         if self._begun:
             self._seat.send(orders.Leave())
         else:
-            self._seat.send(orders.Stop())  # a motion that is about to begin won't begin
+            self._seat.send(orders.Stop())  # cancels a motion that is about to begin
 
     def _tell(self, message: Message) -> None:
         async def told() -> None:

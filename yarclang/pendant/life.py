@@ -1,4 +1,6 @@
-"""End or restart of a pendant's process on request, and detection of changed files that require a restart."""
+"""Restart or shut-down of a pendant's process on request, and detection of changed files that require a
+restart.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,9 @@ from yarclang.runtime.actions import Trouble
 How = Literal["restart", "shut-down"]
 
 _LARGEST = 16_000_000
-"""Size above which a file can't be a description of a robot or a cell [bytes]."""
+"""Number of bytes that are read of a file to detect a change. No description of a robot or a cell
+is longer.
+"""
 
 
 class Life:
@@ -40,11 +44,15 @@ class Life:
             Trouble: the process is ending already, or a new process couldn't start.
         """
         if self.wanted:
-            raise Trouble("the pendant ends already", "wait until its pages are there again", "busy")
+            raise Trouble(
+                "the pendant is being ended already", "wait until its pages can be opened again", "busy"
+            )
         if way == "restart":
             await asyncio.to_thread(self._check)
             if self.wanted:
-                raise Trouble("the pendant ends already", "wait until its pages are there again", "busy")
+                raise Trouble(
+                    "the pendant is being ended already", "wait until its pages can be opened again", "busy"
+                )
 
     def end(self, way: How) -> None:
         """Request the end of the process. The process ends when its coordinator is closed and the robot is
@@ -68,13 +76,15 @@ class Descriptions:
 
     def __init__(self, robot: Robot, folder: Path) -> None:
         self._robot = robot
-        self._described = robot.folder / "robot.toml"
+        self._described = robot.file
         self._project = folder / "yarc.toml"
         self._texts = {self._project: _digest(self._project)}
         self._looked: tuple[tuple[int, int] | None, str] = (None, "")
 
     def know(self, cell: str | None) -> None:
-        """Record the cell that all motions respect, when it is first known."""
+        """Record the file of the cell that all motions respect, with the file's present content. Do nothing
+        if the file is already recorded.
+        """
         if cell is not None and Path(cell) not in self._texts:
             self._texts[Path(cell)] = _digest(Path(cell))
 
@@ -85,7 +95,7 @@ class Descriptions:
         found = [] if not (told := self._of_robot()) else [(self._described.name, told)]
         for path, was in self._texts.items():
             if _digest(path) != was:
-                found.append((path.name, "it was changed: a restart reads it"))
+                found.append((path.name, "it was changed: restart to load it"))
         return tuple(found)
 
     def _of_robot(self) -> str:
@@ -98,11 +108,11 @@ class Descriptions:
         read = load_robot(str(self._robot.folder))
         if read.value is None:
             first = next(one for one in read.diagnostics if one.is_error)
-            return f"it can't be loaded any more: {first.message}"
+            return f"it can no longer be loaded: {first.message}"
         if read.value.fingerprint != self._robot.fingerprint:
             return (
-                "it describes another robot than the one that is loaded: a restart loads it, and the "
-                "controller may need other settings"
+                "it describes another robot than the loaded one: restart to load it; the controller may "
+                "need other settings"
             )
         return ""
 

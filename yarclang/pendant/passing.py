@@ -1,7 +1,7 @@
 """Filter for the messages between a page and its analyst, a language server (LSP). No I/O.
 
 A page knows the files of the project as `yarc:///folder/name.yarc`. No message of a page is passed on
-unchanged: each is parsed as one of the types of allowed messages, and written anew with the real URI of a
+unchanged. Each is parsed as one of the allowed types of messages, and written anew with the real URI of a
 file that the page has open.
 """
 
@@ -20,10 +20,10 @@ from yarclang.pendant.messages.reading import Malformed, read
 
 SCHEME = "yarc"
 MOST_OPEN = 8
-"""Most files that a page may have open."""
+"""Largest number of files that a page may have open."""
 
 MOST_ASKED = 64
-"""Most requests of a page that may be waiting for a reply."""
+"""Largest number of requests of a page that may be waiting for a reply."""
 
 _LARGEST = 1 << 30
 _SUFFIX = ".yarc"
@@ -54,7 +54,7 @@ class Opened(Versioned):
 
 
 class Position(Message):
-    """A place: line and UTF-16 unit, from 0."""
+    """A place in a text: line, and column in UTF-16 code units, both from 0."""
 
     line: Count
     character: Count
@@ -191,15 +191,15 @@ class Passing:
         self._asked: dict[int, str] = {}
 
     def again(self) -> None:
-        """Forget all state, because the analyst has been restarted."""
+        """Forget all state. Called when the analyst has been restarted."""
         self._files.clear()
         self._asked.clear()
 
     # messages from the page
 
     def to_analyst(self, text: str) -> dict[str, Any]:
-        """Convert a message from the page to one for the analyst. If the message opens a file, the project's
-        folder is read.
+        """Convert a message from the page to a message for the analyst. Reads the project's folder if the
+        message opens a file.
 
         Raises:
             Malformed: pages may not send this message, it names a file that isn't open, or too many requests
@@ -208,7 +208,7 @@ class Passing:
         """
         name = read(text, _Method).method if text else ""  # type: ignore[type-var]  # reads any model
         if name not in _TYPES:
-            raise Malformed(f"{name[:40]!r} isn't for pages", "see the API's page", "")
+            raise Malformed(f"{name[:40]!r} isn't accepted from pages", "see the API's page", "")
         message = read(text, _TYPES[name])
         message_made: dict[str, Any] = {
             "jsonrpc": "2.0",
@@ -217,7 +217,7 @@ class Passing:
         }
         if isinstance(message, _Asked):
             if len(self._asked) >= MOST_ASKED or message.id in self._asked:
-                raise Malformed("too many questions wait for their answers", "wait, or cancel some", "")
+                raise Malformed("too many requests are pending", "wait, or cancel some", "")
             self._asked[message.id] = name
             message_made["id"] = message.id
         return message_made
@@ -254,9 +254,7 @@ class Passing:
                 f"{uri[:80]!r} isn't a file of the project", "name a file as yarc:///NAME.yarc", ""
             )
         if not path.lower().endswith(_SUFFIX):
-            raise Malformed(
-                f"{path[1:81]!r} is no program", f"open a file whose name ends with {_SUFFIX}", ""
-            )
+            raise Malformed(f"{path[1:81]!r} is no program", f"open a file with the extension {_SUFFIX}", "")
         if len(self._files) >= MOST_OPEN:
             raise Malformed(f"{MOST_OPEN} files are open", "close one", "")
         place = self._inside(path[1:]).as_uri()
@@ -274,8 +272,8 @@ class Passing:
     # messages from the analyst
 
     def to_page(self, message: dict[str, Any]) -> dict[str, Any] | None:
-        """Convert a message from the analyst to one for the page; None if the message isn't meant for
-        pages.
+        """Convert a message from the analyst to a message for the page. Return None if the message isn't
+        meant for pages.
         """
         if "method" in message:
             if message["method"] == "textDocument/publishDiagnostics" and "id" not in message:
@@ -299,8 +297,8 @@ class Passing:
         return message_made | {"result": result}
 
     def reply(self, message: dict[str, Any]) -> dict[str, Any] | None:
-        """Return the reply to a request of the analyst, which is always an error; None if the message is
-        no request.
+        """Return the reply to a request of the analyst; None if the message isn't a request. The reply is
+        always an error, because pages can't serve requests.
         """
         if "method" not in message or "id" not in message:
             return None
@@ -337,8 +335,8 @@ class Passing:
         }
 
     def _short(self, text: str) -> str:
-        """Return a text in which absolute paths of the project's files are replaced by paths in the
-        project.
+        """Return a text with absolute paths of the project's files replaced by paths relative to
+        the project.
         """
         return text.replace(f"{self._folder}/", "")
 

@@ -30,7 +30,7 @@ from yarclang.toml.changes import ChangeError, with_table, with_value, without
 from yarclang.toml.reading import parse_toml, read_text
 
 _EACH, _MOST_INSTANTS = 16, 40_000
-"""Most instants that are examined for a motion, and for a whole program."""
+"""Largest number of instants at which torques are computed: for one motion, and for a whole program."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +77,7 @@ class RobotFile:
         return data
 
     def read(self) -> Result[Robot]:
-        """Return the robot that the text of the file describes."""
+        """Return the robot that the file describes."""
         return read_robot(self.source, self.folder)
 
 
@@ -98,7 +98,7 @@ def robot_file(robot: Robot, project: ProjectFolder) -> RobotFile:
         return RobotFile(file, robot.folder, text_of(file, content), told.sha256)
     text_read = read_text(place, "")
     if isinstance(text_read, Diagnostic):
-        raise Trouble(text_read.clause, "look whether it was moved", text_read.code)
+        raise Trouble(text_read.clause, "check whether it was moved", text_read.code)
     outside = f"{robot.name} is described outside of the project, in {place.parent}"
     remedy = "copy that folder into the project, and start the pendant with --robot and the copy"
     sha256 = hashlib.sha256(text_read.text.encode()).hexdigest()
@@ -106,7 +106,7 @@ def robot_file(robot: Robot, project: ProjectFolder) -> RobotFile:
 
 
 def tables_of(data: dict[str, Any]) -> dict[str, dict[str, Any]]:
-    """Return the tables [tools.NAME] of a file, by their names as written."""
+    """Return the tables [tools.NAME] of a file by the names as written in the file."""
     found = data.get("tools")
     if not isinstance(found, dict):
         return {}
@@ -137,7 +137,7 @@ def with_payload(file: RobotFile, payload: said.Payload) -> str:
         if name is None:
             if payload.frame is None:
                 problem = f"{file.file} has no tool {payload.tool}"
-                raise Trouble(problem, "name one of it, or the frame that a new one sits in", "")
+                raise Trouble(problem, "name one of its tools, or the frame of a new tool", "")
             return with_table(
                 file.source, ("tools", payload.tool.upper()), {"frame": payload.frame.upper(), **new_values}
             )
@@ -157,7 +157,7 @@ def _changed(file: RobotFile, name: str, table: dict[str, Any], new_values: dict
         elif key in table and table[key] == new_values[key]:
             continue
         elif key not in table and key == "center_of_mass" and not any(map(bool, _numbers(new_values[key]))):
-            continue  # the centre is at the frame's origin by default
+            continue  # a center of mass at the frame's origin is the default
         else:
             text = with_value(source, path, new_values[key])
     return text
@@ -192,12 +192,13 @@ def torques_of(
         plan: motion plan of a program whose torques are compared as well; None for no program.
 
     Returns:
-        Two values: comparisons of the torques (holding still at the present position, holding still anywhere
-        within the joint limits, and in the motions of the program), and the reason if they can't be computed.
+        Two values: the comparisons, and the reason if the torques can't be computed. Torques are compared at
+        rest at the present position, at rest anywhere within the joint limits, and in the motions of the
+        program.
     """
     now, dynamics_then = robot.dynamics, other.dynamics
     if now is None or dynamics_then is None or robot.joint_names != other.joint_names:
-        return (), "robot.toml describes another arm than the one that runs: restart the pendant first"
+        return (), "robot.toml describes another arm than the loaded one: restart the pendant first"
     chain, limits = other.chain, other.limits
     torques = []
     if position is not None:
@@ -248,7 +249,7 @@ def proposed(
     position: Array | None,
     plan: MotionPlan | None,
 ) -> said.PayloadShown:
-    """Return what a new payload would change: the text of robot.toml and the joint torques.
+    """Return the effects of a new payload: the changed text of robot.toml and the joint torques.
 
     Args:
         robot: the running robot.
@@ -289,5 +290,6 @@ def differs(robot: Robot, read: Result[Robot]) -> bool:
     theirs, ours = read.value.dynamics, robot.dynamics
     if theirs is None or ours is None:
         return read.value.fingerprint != robot.fingerprint
-    # The fingerprint doesn't contain masses of bodies for which torques aren't checked yet.
+    # The fingerprint doesn't depend on masses of bodies whose torques aren't checked yet, so compare the
+    # efforts, too.
     return read.value.fingerprint != robot.fingerprint or not np.array_equal(theirs.effort, ours.effort)

@@ -1,5 +1,5 @@
-"""Conversion of pressed jog buttons to requests to a live motion, that is, a motion whose target can
-change while it runs: velocities of joints or of a frame, and steps.
+"""Conversion of pressed jog buttons to targets of a live motion, that is, a motion whose target can change
+while it runs. Buttons ask for velocities of joints or of a frame, or for steps.
 """
 
 from __future__ import annotations
@@ -28,8 +28,7 @@ class Pressed:
         self._robot = robot
 
     async def of(self, press: Press, seat: Attached) -> wants.Want:
-        """Return the request to the live motion for a button that asks for a velocity of joints or of a
-        frame.
+        """Return the target of the live motion for a button that asks for a velocity of joints or of a frame.
 
         Raises:
             Trouble: the press contains no velocity, or names an unknown joint or frame.
@@ -51,13 +50,15 @@ class Pressed:
         for frame in (await seat.ask(orders.AskFrames())).frames:
             if _same_text(frame.name, name):
                 if frame.on_flange:
-                    what = f"{frame.name} moves with the robot: jog along its axes by moving it"
-                    raise Trouble(what, "choose it as the moving frame as well", "")
+                    what = (
+                        f"{frame.name} moves with the robot: only the moving frame can also be the reference"
+                    )
+                    raise Trouble(what, "choose it as the moving frame too", "")
                 return np.array(frame.pose)[:3, :3]
-        raise Trouble(f"there is no frame {name[:40]!r}", "choose one of the list", "")
+        raise Trouble(f"there is no frame {name[:40]!r}", "choose one from the list", "")
 
     async def step(self, press: Press, step: Step, seat: Attached) -> wants.Want:
-        """Return the goal of a step from the robot's present position."""
+        """Return the target of the live motion for a step from the robot's present position."""
         stands = await seat.ask(orders.AskPlace(base="{B}", moving=press.moving))
         names = {name.upper(): number for number, name in enumerate(self._robot.joint_names)}
         if (number := names.get(step.axis.upper())) is not None:

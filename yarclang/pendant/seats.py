@@ -12,8 +12,8 @@ from yarclang.pendant.accounts.sessions import Session
 from yarclang.runtime.actions import Trouble
 
 Attach = Callable[[str], Awaitable[Attached]]
-"""Function that attaches a new client to the coordinator. Its argument is the name of the client, which
-other clients see.
+"""Type of a function that attaches a new client to the coordinator. Its argument is the name of the client,
+which other clients see.
 """
 
 
@@ -24,8 +24,8 @@ class Seats:
         attach: attaches new clients to the coordinator.
 
     Attributes:
-        jogging: connection of the page that jogs at present, by the session's id. No other page of the same
-            session may jog, because it would change the motion of the first page.
+        jogging: for each session id, the connection of the page that jogs at present. No other page of the
+            same session may jog, because it would change this page's motion.
     """
 
     def __init__(self, attach: Attach) -> None:
@@ -64,8 +64,8 @@ class Seats:
         return next((id_ for id_, seat in self._seats.items() if seat.welcome.name == client), "")
 
     def leave(self, id_: str) -> None:
-        """Give up the seat of the session with this id. If the session owns the robot, the robot comes to
-        rest on its path.
+        """Give up the seat of the session with this id. If the seat owns the robot, the robot comes to rest
+        on its path.
         """
         seat = self._seats.pop(id_, None)
         if seat is not None:
@@ -84,4 +84,4 @@ async def _leave(seat: Attached) -> None:
     try:
         await seat.leave()
     except Trouble:
-        return  # the coordinator has ended, and the robot's own guard brings it to rest
+        return  # the coordinator has ended, and the guard PLC brings the robot to rest

@@ -16,15 +16,16 @@ import uvicorn
 from yarclang.pendant.life import Life
 from yarclang.pendant.seats import Attach
 from yarclang.pendant.web.app import application
+from yarclang.pendant.web.connection import MOST, Connection
 from yarclang.pendant.web.service import Service
 from yarclang.robot.model import Robot
 from yarclang.runtime.actions import Trouble
 
 _LAST = 2
-"""Time for connections to end when the server ends [s]."""
+"""Time that connections have to end when the server ends [s]."""
 
 _QUIET = 5
-"""Longest pause between two requests of a connection [s]."""
+"""Time after which a connection without a further request is closed [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,7 +127,7 @@ def _config(service: Service, place: Place) -> uvicorn.Config:
             log_config=None,
             access_log=False,
             lifespan="off",
-            http="h11",
+            http=Connection,
             ws="websockets-sansio",
             ws_max_size=1 << 20,
             ws_ping_interval=5.0,
@@ -136,7 +137,7 @@ def _config(service: Service, place: Place) -> uvicorn.Config:
             proxy_headers=False,
             timeout_keep_alive=_QUIET,
             timeout_graceful_shutdown=_LAST,
-            limit_concurrency=200,
+            limit_concurrency=MOST,
             ssl_certfile=place.certificate,
             ssl_keyfile=place.key,
         )

@@ -1,5 +1,5 @@
-"""The robot's state for the display that every page shows all the time, built from the coordinator's
-messages. No I/O.
+"""The robot's state for the display that stands on every page, built from the coordinator's messages.
+No I/O.
 """
 
 from __future__ import annotations
@@ -56,12 +56,12 @@ class Showing:
 
     @property
     def under_way(self) -> str:
-        """The program or motion that is running; empty if nothing is."""
+        """Name of the running program or motion; empty if none is running."""
         return self._under_way
 
     @property
     def joints(self) -> Array | None:
-        """Actual positions (n,) [rad or m]; None if unknown."""
+        """Actual joint positions (n,) [rad or m]; None if unknown."""
         if any(one is None for one in self._joints):
             return None
         found: Array = np.array(self._joints, dtype=float) * self.robot.axis_units
@@ -88,7 +88,7 @@ class Showing:
         return self._health
 
     def runs(self, file: str) -> None:
-        """Remember the file of the project that is run next."""
+        """Remember the project file of the program that is run next."""
         self._file = (file.rpartition("/")[2], file)
 
     def file_of(self, program: str) -> str:
@@ -197,9 +197,9 @@ class Showing:
         return "jog" if self._under_way == JOG else "program"
 
     def _places(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        """Return two values for the robot's present position: the pose of the flange in {B} (16 numbers of
-        a matrix, row by row) and the displacements of the links (7 n numbers). Both are cached until the
-        position changes.
+        """Return the pose of the flange in {B}, as the 16 entries of its matrix, row by row, and the
+        displacements of the n links as 7 n numbers. Both are for the robot's present position, and cached
+        until it changes.
         """
         if self._placed is not None and self._placed[0] == self._joints:
             return self._placed[1:]

@@ -1,5 +1,5 @@
-"""Values of inputs and outputs, with their comments from the cell's file and the values that runs report.
-They are requested from the coordinator once for all pages.
+"""Values of inputs and outputs. They come with their comments from the cell's file, and are updated by the
+events of runs. The coordinator is asked once for all pages.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ from yarclang.source import SourceFile
 from yarclang.toml.places import Places, find_places
 
 _AGE, _SIMULATED_AGE = 0.4, 0.1
-"""Age of values up to which they are shown again without a new request [s]: for a real robot, and for a
-robot that is simulated in this process.
+"""Longest age of values that are shown without a new request [s]: of a real robot, and of a robot that is
+simulated in this process.
 """
 _SHARE = 4.0
-"""Requests for values take at most 1 / `_SHARE` of the time of a real controller's connection, because
-jogs use the same connection.
+"""Limit on requests to a real controller. They occupy its connection for at most 1 / `_SHARE` of the time,
+because jogs use the same connection.
 """
 _LONGEST = 160
 """Longest comment [characters]."""
@@ -183,9 +183,10 @@ class Signals:
             return self._seen
 
     def _read(self, path: str | None) -> _CellFile:
-        """Return the content of the cell's file. The coordinator names no file (`path` is None) if there
-        is no cell, or if its file can't be read. In the second case the error in the last known file is
-        returned.
+        """Return the content of the cell's file.
+
+        The coordinator names no file (`path` is None) if there is no cell, or if its file can't be read. In
+        the second case, the last known file is returned with its error.
         """
         if path is not None or self._file.path is None:
             return read_cell_file(path, self._robot, self._file)
@@ -199,7 +200,7 @@ async def _holding_grippers(attached: Attached, cell: Cell | None) -> tuple[Held
         return ()
     try:
         told = await attached.ask(orders.AskParts())
-    except Trouble:  # the session's own cell has no parts
+    except Trouble:  # the cell that the session uses has no parts
         return ()
     held: dict[str, list[str]] = {}
     for one in told.parts:
@@ -236,7 +237,7 @@ def read_cell_file(path: str | None, robot: Robot, before: _CellFile) -> _CellFi
 
 def comments_of(source: SourceFile) -> dict[tuple[str, str], str]:
     """Return the comments on inputs and outputs in a cell's file, by table and name in upper case. The
-    comment is that at the end of the entry's line, otherwise that in the line above.
+    comment of an entry is at the end of its line or, if there is none, in the line above.
     """
     places, lines = find_places(source), source.lines
     comments = {}

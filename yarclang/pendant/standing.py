@@ -1,5 +1,5 @@
 """Position of the robot at rest, for data that is stored, such as taught positions. The motors must be
-referenced, and enabled so that they hold the position.
+referenced and must hold the position under closed-loop control.
 """
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ async def stands(watched: Watched, motors: Collection[int] | None = None) -> Arr
     needed = [one for one in health.motors if motors is None or one.number in motors]
     if lost := [one.number for one in needed if not one.homed]:
         raise Trouble(
-            f"{_motors(lost)} not referenced: nobody knows where the robot is",
+            f"{_motors(lost)} not homed: the robot's position is unknown",
             "home the robot first", "homed",
         )  # fmt: skip
     if loose := [one.number for one in needed if not one.closed_loop]:
         raise Trouble(
-            f"{_motors(loose)} not enabled: the arm may hang elsewhere than it is commanded to stand",
+            f"{_motors(loose)} not enabled: the arm may have moved from its commanded position",
             "enable the motors first", "enabled",
         )  # fmt: skip
     found = np.array((await attached.ask(orders.AskPlace())).exact)
@@ -52,5 +52,5 @@ def _motors(numbers: list[int]) -> str:
 
 def _check_rest(watched: Watched) -> None:
     if watched.showing.under_way:
-        what = f"the robot is under way: {watched.showing.under_way}"
-        raise Trouble(what, "wait until it stands", "moving")
+        what = f"the robot is moving: {watched.showing.under_way}"
+        raise Trouble(what, "wait until it is at rest", "moving")

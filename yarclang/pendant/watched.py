@@ -1,4 +1,4 @@
-"""Passing of the robot's state to all pages of a pendant. One client of the coordinator listens for all
+"""Distribution of the robot's state to all pages of a pendant. One client of the coordinator listens for all
 pages, and each message is formatted only once.
 """
 
@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+from collections import deque
 from collections.abc import Awaitable, Callable
 from itertools import count
 
@@ -22,15 +23,20 @@ EACH = 0.05
 
 _HEALTH_EACH = 0.5
 _BEATS = 10
-"""Number of periods `EACH` between two heartbeats. From the heartbeat a page knows that this server is
+"""Number of periods `EACH` between two heartbeats. By the heartbeats, a page knows that this server is
 running.
+"""
+
+LATE = 3.0
+"""Greatest allowed age of the heartbeat in a page's order [s]. An order with an older one was delayed on its
+way, and isn't carried out any more.
 """
 
 _AGAIN = 1.0
 """Time between two attempts to reach the coordinator [s]."""
 
 _MOST = 64
-"""Most texts that wait for a page. If there are more, the oldest is dropped."""
+"""Largest number of texts that are queued for a page. If there are more, the oldest text is dropped."""
 
 
 class Page:
@@ -87,6 +93,7 @@ class Watched:
         self._attached: Attached | None = None
         self._pages: set[Page] = set()
         self._shown = ""
+        self._beaten: deque[tuple[int, float]] = deque(maxlen=16)
         self._works: list[Callable[[Attached], Awaitable[None]]] = []
         self._hearers: list[Callable[[events.BaseEvent], None]] = []
         self._losers: list[Callable[[], None]] = []
@@ -129,8 +136,13 @@ class Watched:
         """
         if self._attached is None:
             what = f"the coordinator of {self.showing.robot.name} can't be reached"
-            raise Trouble(what, "look at the robot; wait, or start `yarc serve` again", "Y1606")
+            raise Trouble(what, "inspect the robot; wait, or restart `yarc serve`", "Y1606")
         return self._attached
+
+    def is_fresh(self, beat: int) -> bool:
+        """Return True if the heartbeat with this number was sent a short time ago."""
+        now = asyncio.get_running_loop().time()
+        return any(number == beat and now - sent <= LATE for number, sent in self._beaten)
 
     def pages_of(self, session: str) -> int:
         """Return the number of a session's connected pages."""
@@ -211,6 +223,7 @@ class Watched:
     async def _tell(self) -> None:
         for number in count(1):
             if number % _BEATS == 0:
+                self._beaten.append((number, asyncio.get_running_loop().time()))
                 beat = Beat(beat=number).model_dump_json()
                 for page in self._pages:
                     page.tell(beat)

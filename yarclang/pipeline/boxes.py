@@ -19,17 +19,18 @@ from yarclang.pipeline.stages import Request
 from yarclang.progress import each
 
 MOST_TRIED = 400
-"""Largest number of places that are tried for one program."""
+"""Largest number of combinations of register values that are tried for one program."""
 
 _HELP = (
-    "the runtime refuses such a place before anything moves, into the ELSE, or holds there without one; a "
-    "smaller range of the registers, or another way in, lets all of the box be carried out"
+    "at run time such a place is refused before anything moves: the ELSE is executed, or without one the "
+    "robot holds; use a smaller range of the registers, or another approach, to make the whole box "
+    "feasible"
 )
 
 
 @dataclass(slots=True)
 class _Told:
-    """Findings about all OFFSETs that one source line creates; an OFFSET line in a loop creates several."""
+    """Findings about the OFFSETs that one source line creates; a line in a loop creates several OFFSETs."""
 
     origin: Origin
     tried: int = 0
@@ -51,7 +52,7 @@ def box_findings(plan: MotionPlan, request: Request) -> Iterator[Diagnostic]:
             first = next((n for n, motion in enumerate(plan.motions) if motion.step > at), None)
             if first is not None:
                 boxes.append((step, step.offset, first, places_of(step.offset, plan.program)))
-    # try the corners of all boxes first
+    # first try the corners of all boxes: the combinations of smallest and largest values
     trials = [(place, number) for number, (*_, places) in enumerate(boxes) for place in enumerate(places)]
     trials.sort(key=lambda tried: (not _is_corner(boxes[tried[1]], tried[0][1]), tried[1], tried[0][0]))
     by_place: dict[tuple[object, object], _Told] = {}
@@ -68,8 +69,8 @@ def box_findings(plan: MotionPlan, request: Request) -> Iterator[Diagnostic]:
     for tried in by_place.values():
         if tried.faults:
             message = (
-                f"{len(tried.faults)} of {tried.tried} places in the box of this OFFSET can't be carried "
-                f"out; {tried.faults[0]}"
+                f"{len(tried.faults)} of {tried.tried} places in the box of this OFFSET can't be executed; "
+                f"{tried.faults[0]}"
             )
             yield Diagnostic(
                 "Y0508", message, tried.origin.source, tried.origin.span, _HELP, place=tried.origin.place
@@ -80,7 +81,9 @@ def box_findings(plan: MotionPlan, request: Request) -> Iterator[Diagnostic]:
             f"{len(trials) - MOST_TRIED} of {len(trials)} places in the boxes of the program's OFFSETs "
             "weren't tried"
         )
-        help_ = "the runtime plans and proves each place before it moves, whether it was tried or not"
+        help_ = (
+            "at run time each place is planned and proved before the robot moves, whether it was tried or not"
+        )
         yield Diagnostic("Y0509", message, origin.source, origin.span, help_)
 
 

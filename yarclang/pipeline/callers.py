@@ -1,5 +1,5 @@
-"""Move findings in modules to the line of the program that calls the module, since users can change this
-line.
+"""Move findings in modules to the line of the program that calls the module. Users can change this line, but
+often not the module.
 """
 
 from __future__ import annotations
@@ -25,12 +25,13 @@ Load = Callable[[str], Result[Module]]
 def at_callers(
     diagnostics: Iterable[Diagnostic], program: Module, load: Load | None
 ) -> tuple[Diagnostic, ...]:
-    """Return all findings, with each finding in a module moved to the CALL in the program's file that leads
-    to it.
+    """Return all findings. Each finding in a module is moved to the CALL in the program's file through which
+    the module's line is reached.
 
-    The finding's place in the module is then in `within`. A finding that no CALL reaches is moved to the USE
-    of its module if the module is an installed one, and stays in the module if the module is a file beside
-    the program. A fix always stays with the module's line, since it can't be applied to the program's text.
+    The finding's place in the module is then in `within`. A finding in a line that no CALL reaches is moved
+    to the USE of its module if the module is installed with yarclang; it stays in the module if the module
+    is a file beside the program. A fix always stays with the module's line, since it can't be applied to the
+    program's text.
 
     Args:
         diagnostics: findings.
@@ -47,7 +48,8 @@ def at_callers(
 
 
 def caller_of(origin: Origin, program: SourceFile) -> tuple[Span, Within] | None:
-    """Return the CALL in the program that leads to a module's command, and the command's place in the module.
+    """Return the CALL in the program through which a module's command is reached, and the command's place in
+    the module.
 
     Returns:
         None for commands of the program itself.
@@ -61,10 +63,10 @@ def caller_of(origin: Origin, program: SourceFile) -> tuple[Span, Within] | None
 
 
 def uncalled_lines(program: Module) -> frozenset[int]:
-    """Return the lines of SUBs that nothing in their own file calls, as in a module that is checked without a
-    program.
+    """Return the lines of all SUBs in a file that no line of this file calls. A module that is checked
+    without a program has such SUBs.
 
-    Whether findings in these lines matter depends on the files that use the module.
+    Findings in these lines matter only for some of the programs that use the module.
     """
     nodes = arrange(program).value or ()
     subs = {name: one for one in nodes if isinstance(one, Block) and (name := _sub_name(one))}
@@ -119,7 +121,7 @@ def _called_span(statement: Statement) -> Span:
 
 
 class _Calls:
-    """The CALLs of a program and its modules, which are looked up by the places of commands. A file is split
+    """Finder of the CALLs through which a program reaches a command in a module. The text of a file is split
     into blocks when it is first needed.
     """
 
@@ -129,14 +131,14 @@ class _Calls:
         self._nodes: dict[str, tuple[Node, ...]] = {}
 
     def leading_to(self, place: str) -> tuple[Statement | None, tuple[str, ...]]:
-        """Follow the CALLs that lead to a command.
+        """Follow the CALLs through which a command is reached.
 
         Args:
             place: place of the command in unrolled code, such as `P0020>P0010`.
 
         Returns:
-            The last of these CALLs that is in the program's own file (None if none leads to a module), and
-            the names of the SUBs that are called from there on.
+            The last of these CALLs that is in the program's own file, and the names of the SUBs that are
+            called from this CALL on. The CALL is None if the command isn't in a module.
         """
         module, nodes = "", self._of("")
         caller: Statement | None = None
@@ -186,9 +188,7 @@ def _called(statement: Statement | None) -> str:
 
 
 def _commands(nodes: Iterable[Node]) -> Iterator[Statement]:
-    """Yield the statements among some nodes, including those in loops and conditions, but not those in
-    SUBs.
-    """
+    """Yield the statements among nodes, including the statements in loops and conditions, but not in SUBs."""
     for node in nodes:
         if isinstance(node, Statement):
             yield node

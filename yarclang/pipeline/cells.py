@@ -104,13 +104,13 @@ class CellLoader:
         if project.cell is None and named is None:
             return Result(None)
         if project.cell is None:
-            assert named is not None  # one of the two is given
-            return Result(GivenCell(named, self.at(Path(named)), "the command line", "leave --cell out"))
+            assert named is not None  # one of `project.cell` and `named` is given
+            return Result(GivenCell(named, self.at(Path(named)), "the command line", "remove --cell"))
         cell_path, span = project.folder / project.cell, project.span_of("cell")
         remedy = f"change cell in {FILE_NAME}"
         if named is not None and not is_same_file(cell_path, Path(named)):
-            message = f"{FILE_NAME} names the cell {project.cell}, the command line names {named}"
-            help_ = f"leave --cell out, or {remedy}"
+            message = f"{FILE_NAME} names the cell {project.cell}, but the command line names {named}"
+            help_ = f"remove --cell, or {remedy}"
             return Result(None, (Diagnostic("Y1373", message, project.source, span, help_),))
         place = cell_path if self._folder.is_absolute() else _from_here(cell_path)
         return Result(GivenCell(str(place), self.at(place), FILE_NAME, remedy, project.source, span))
@@ -131,7 +131,7 @@ def cell_loader(
 
 
 def cell_for(folder: Path, project: Project, robot: Robot, named: str | None) -> Result[GivenCell]:
-    """Read the cell for work that has no program yet: the cell `named`, or else that of the project.
+    """Read the cell for work that has no program yet: the cell `named`, or else the cell of the project.
 
     Args:
         folder: folder to which `named` is relative.
@@ -164,8 +164,8 @@ def holds_still(cell: Cell) -> bool:
 
 
 def session_cell(folder: Path, robot: Robot, named: str | None) -> Result[GivenCell]:
-    """Read the cell for an interactive session in a folder: the cell `named`, or else that of the folder's
-    yarc.toml.
+    """Read the cell for an interactive session in a folder: the cell `named`, or else the cell of the
+    folder's yarc.toml.
     """
     project = find_project(folder)
     if project.value is None:

@@ -37,15 +37,14 @@ from yarclang.syntax.parse import forget
 
 @frozen(eq=False)
 class Begun:
-    """A program that is checked without planning its motions; `check_further` continues from it.
+    """The state of a check in which no motion is planned yet; `check_further` continues from it.
 
     Attributes:
         opened: the parsed program and its request.
         found: findings from opening the file.
         program: the checked program, with its findings.
         around: surroundings of the program.
-        said: findings of the lint rules that read the syntax tree or the checked program, and the
-            surroundings that these rules know.
+        said: remarks of the lint rules that read only the syntax tree or the checked program, by rule.
         boxes: True if the OFFSETs are also to be tried in the whole range of their registers.
     """
 
@@ -164,7 +163,9 @@ def _planned_if_possible(begun: Begun, early: Callable[[Checked], None] | None =
 
 
 _LONG = 10_000
-"""Number of lines above which a text isn't cached, because it is read only once."""
+"""Number of lines of a text above which the parser's cache of statements is cleared after parsing. This is
+done only if no other results are cached: then the statements aren't needed again.
+"""
 
 
 def _opened(source: SourceFile, folder: Path, options: Options) -> Begun | Checked:
@@ -210,7 +211,7 @@ def _planned(begun: Begun, early: Callable[[Checked], None] | None) -> Checked:
     findings, compiled, remarked = (*begun.found, *planned.diagnostics), None, dict(begun.said)
     program, around = begun.program.value, begun.around
     if planned.value is not None:
-        # lines around obstacles are several steps from here on
+        # use the program in the plan: in it, a line that was led around obstacles has become several steps
         program = planned.value.program
         around = replace(around, steps=program.steps)
         remarked |= remarks((planned.value,), around, _silent(project))
@@ -220,7 +221,7 @@ def _planned(begun: Begun, early: Callable[[Checked], None] | None) -> Checked:
             made = certified_whole(planned.value, request)
             findings, compiled = (*findings, *made.diagnostics), made.value
             if compiled is not None:
-                tell("looking for what else is worth saying", 0)
+                tell("looking for warnings and notes", 0)
                 remarked |= remarks((compiled.certificate,), around, _silent(project))
                 if begun.boxes:
                     findings = (*findings, *box_findings(compiled.plan, request))

@@ -47,7 +47,7 @@ from yarclang.source import SourceFile, Span
 FIRST_WORDS = "; yarcc "
 """First words of a controller text."""
 
-AGAIN = "it isn't as yarcc wrote it: compile the program again"
+AGAIN = "the text was changed after yarcc wrote it: compile the program again"
 
 
 @frozen(eq=False)
@@ -125,12 +125,16 @@ def judge_text(
         return _alone(text, robot, around, plan_or_reason.value, diagnostics)
     plan = plan_or_reason.value
     verified = plan.program
-    if surroundings is not None:  # the program may be in another place with other surroundings, or none
+    # the program may be in another folder, whose yarc.toml names another cell or none
+    if surroundings is not None:
         if verified.cell is not None and not is_same_file(
             Path(verified.cell.source.name), Path(surroundings.path)
         ):
             named = verified.cell.source.name
-            message = f"the program keeps to the cell {named}, {surroundings.giver} names {surroundings.path}"
+            message = (
+                f"the program is compiled for the cell {named}, but {surroundings.giver} names "
+                f"{surroundings.path}"
+            )
             return Result(
                 None,
                 (
@@ -154,7 +158,9 @@ def _remedy(text: SourceFile, program: Program | None) -> str:
     if program is None:
         return AGAIN
     made, source = Path(text.name).name, Path(program.source.name).name
-    return f"{made} isn't as yarcc wrote it, or {source} has changed since: compile the program again"
+    return (
+        f"{made} was changed after yarcc wrote it, or {source} has changed since: compile the program again"
+    )
 
 
 def _in_text(finding: Diagnostic, text: SourceFile, certificate: Certificate | None) -> Diagnostic:
@@ -199,8 +205,8 @@ def _opened(
     verified yet.
     """
     if not text.text.startswith(FIRST_WORDS):
-        message = "this isn't a text that yarcc has written"
-        help_ = "give the program itself, or what yarcc made of it"
+        message = "this text wasn't written by yarcc"
+        help_ = "give the program itself, or the text that yarcc made of it"
         return Result(None, (Diagnostic("Y1151", message, text, help=help_),))
     preamble = header_of(text.text)
     if isinstance(preamble, Unreadable):
@@ -235,11 +241,11 @@ def _settled(
         more = f" (and {rest:,} more error{'s' * (rest > 1)})" if rest else ""
         help_ = worst.help if worst.code == "Y1163" else _remedy(text, program)
         if CATALOGUE[worst.code].sort == "tolerance":
-            help_ += "; or say --tolerance, if it was compiled with one"
+            help_ += "; or give the --tolerance with which it was compiled"
         placed = _in_text(worst, text, judged.value)
         findings.append(replace(placed, message=worst.message + more, help=help_, fix=None))
     elif judged.value is not None and not is_sealed(text.text):
-        message = "the text isn't what yarcc wrote: its SHA-256 isn't that of its header"
+        message = "the text was changed after yarcc wrote it: its SHA-256 differs from that in its header"
         findings = [Diagnostic("Y1169", message, text, help=AGAIN)]
     if judged.value is None or has_errors(findings):
         return Result(None, (*diagnostics, *findings))
@@ -247,7 +253,7 @@ def _settled(
 
 
 def check_controller_text(path: str, options: Options) -> tuple[Diagnostic, ...]:
-    """Return the findings about a controller text in a file, from the same verification as before a run."""
+    """Verify a controller text in a file, as it is verified before a run, and return the findings."""
     read = read_controller_text(path)
     if read.value is None:
         return read.diagnostics
@@ -298,11 +304,11 @@ def robot_of(header: Header, text: SourceFile, name: str | None) -> Result[Robot
     if name is not None:
         if loaded.value is None or loaded.value.name == header.robot:
             return loaded
-        message = f"the text was made for {header.robot}, the command line says {loaded.value.name}"
-        return Result(None, (Diagnostic("Y1163", message, text, help="leave --robot out"),))
+        message = f"the text was made for {header.robot}, but the command line names {loaded.value.name}"
+        return Result(None, (Diagnostic("Y1163", message, text, help="remove --robot"),))
     if loaded.value is not None:
         return loaded
-    help_ = "if it is your own robot, give its place: --robot PATH"
+    help_ = "if it is your own robot, give its path: --robot PATH"
     placed = tuple(one if one.source else replace(one, source=text) for one in loaded.diagnostics)
     return Result(None, tuple(replace(one, help=help_) for one in placed))
 
@@ -338,7 +344,7 @@ def _program_of(
 def _candidates(
     text: SourceFile, header: Header, folder: Path, named: str | None
 ) -> Iterator[tuple[Path, bool]]:
-    """Yield each file that may be the source program of a controller text, and True if this file must be used
+    """Yield the files that may be the source program of a controller text, each with True if it must be used
     when it exists.
 
     A file that the user names, or that is in the text's folder, must be used whatever it contains. A file in
@@ -366,7 +372,7 @@ def _planned(
     """
     with_options = replace(
         options,
-        robot=str(robot.folder / "robot.toml"),
+        robot=str(robot.file),
         tm=float(header.longest) if header.longest else None,
         avoid_effort=header.searches,
         target=header.target,

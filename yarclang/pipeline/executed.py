@@ -47,7 +47,7 @@ Kind = Literal[
 
 @frozen(eq=False)
 class Act:
-    """What the robot does for one command.
+    """The robot's action for one command.
 
     Attributes:
         what: description of a command without motion, for people and for comparison.
@@ -82,9 +82,9 @@ class Executed:
     """All actions of a controller text, in order.
 
     Attributes:
-        start: (n,) [rad or m] joint positions from which the actions begin.
+        start: (n,) [rad or m] joint positions before the first action.
         lasting: duration of all actions.
-        watches: inputs that hold the motions.
+        watches: inputs that hold the robot during its motions.
     """
 
     name: str
@@ -122,7 +122,7 @@ def executed(
     content = reader.read(text, robot.controller, NO_MEMORY)
     if isinstance(content, Unreadable):
         message = f"line {content.line} {content.reason}"
-        help_ = "it isn't as yarcc wrote it: compile the program again"
+        help_ = "the text was changed after yarcc wrote it: compile the program again"
         return Result(None, (Diagnostic(content.code, message, SourceFile(name, text), help=help_),))
     start = reader.start(content, robot).q
     acts = tuple(_acts(content, map_lines(text), robot, start))
@@ -173,7 +173,7 @@ def _acts(content: ControllerText, mapped: LineMap, robot: Robot, start: Array) 
 
 
 def _motions(run: Run, moving: list[Entry], stand: Array, robot: Robot) -> list[Act]:
-    """Return the actions of the commands in an uninterrupted sequence of moves. The entries of these commands
+    """Return one action for each command in an uninterrupted sequence of moves. The entries of these commands
     are removed from the front of `moving`.
 
     The control points of a sequence that starts at S are S, S, S, c1 ... cM, cM, cM.
@@ -198,16 +198,16 @@ def _motions(run: Run, moving: list[Entry], stand: Array, robot: Robot) -> list[
 
 
 def _barrier(item: Barred, entry: Entry, offset: Shifted | None) -> Act:
-    late = "" if item.timeout is None else f", after {item.timeout:g} s the other way"
+    late = "" if item.timeout is None else f", after {item.timeout:g} s the other branch"
     subject = {
         "wait": f"waits for {item.name} ({item.condition}), "
-        + ("for ever" if item.timeout is None else f"at most {item.timeout:g} s"),
+        + ("without a time limit" if item.timeout is None else f"at most {item.timeout:g} s"),
         "hold": f"holds for the operator: {item.name}" if item.name else "holds for the operator",
-        "when": f"the way parts at {item.name} ({item.condition}){late}",
-        "else": "the other way",
-        "end": "the ways meet",
+        "when": f"the program branches at {item.name} ({item.condition}){late}",
+        "else": "the other branch",
+        "end": "the branches meet",
         "loop": "a loop begins",
-        "next": "the loop begins anew",
+        "next": "the loop repeats",
         "exit": "the loop is left",
         "endloop": "the loop ends",
         "set": item.name,

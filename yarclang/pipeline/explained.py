@@ -33,7 +33,7 @@ def explained(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
             merged.append(finding)
         elif finding.is_error:
             merged.append(
-                replace(finding, help=f"{reason.help} {reason.message}", fix=finding.fix or reason.fix)
+                replace(finding, help=f"{reason.help}: {reason.message}", fix=finding.fix or reason.fix)
             )
     return tuple(merged)
 

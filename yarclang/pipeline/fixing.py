@@ -21,7 +21,8 @@ from yarclang.progress import part
 from yarclang.source import SourceFile, Span
 
 MOST_ROUNDS = 20
-"""Largest number of rounds of applying fixes. It ends fixes that would trigger each other endlessly."""
+"""Largest number of rounds of applying fixes. Without a limit, two fixes could trigger each other endlessly.
+"""
 
 _SAME = 1e-9
 """Control points that differ by less count as equal [rad or m]."""
@@ -47,8 +48,8 @@ def fixed(
 
     A fix is kept only if the new text can be parsed, has no new error, and no longer has the finding. If the
     finding was no error, the new text must also do the same as before: the curves of all motions must be the
-    same or, if the program isn't planned, its steps. If a text couldn't be parsed before the fix, new errors
-    of meaning are allowed, since they were hidden.
+    same or, if the program isn't planned, its steps. If the text before the fix couldn't be parsed, the new
+    text may have new errors of meaning, since the syntax errors have hidden them.
 
     Args:
         checked: findings in the current text; its source must exist.
@@ -81,13 +82,13 @@ def fixed(
                 continue
             checked = alone
             applied += [finding.fix.title] if finding.fix else []
-            break  # the places of the others have moved
+            break  # the applied edits have moved the places of the other findings
     assert checked.source is not None
     return Fixed(checked.source.text, checked, tuple(applied))
 
 
 def is_repair(finding: Diagnostic) -> bool:
-    """Return True if a finding has a fix that can be applied without a choice by a person."""
+    """Return True if a finding has a fix that can be applied without asking a person."""
     return finding.fix is not None and not finding.fix.by_choice
 
 
@@ -153,8 +154,8 @@ def edited(source: SourceFile, fixes: Iterable[Fix]) -> str:
 def _tried(
     before: Checked, chosen: Sequence[Diagnostic], check: Callable[[SourceFile], Checked]
 ) -> Checked | None:
-    """Return the result of applying some fixes to a program; None if they break the program, or remove no
-    finding.
+    """Return the result of applying some fixes to a program; None if they break the program, or don't remove
+    their findings.
     """
     assert before.source is not None
     text = edited(before.source, [one.fix for one in chosen if one.fix])
@@ -167,7 +168,8 @@ def _tried(
         errors = {code for code in errors if family_of(code) == SYNTAX}
     if any(has[code] > had[code] for code in errors):
         return None
-    # Edits of one kind may remove several findings, or reveal another one with the same code.
+    # Compare codes together with messages: an edit may remove several findings with one code, or reveal
+    # another one.
     said, says = _messages(before), _messages(after)
     if any(says[key] >= said[key] for key in _said_of(chosen)):
         return None

@@ -24,11 +24,11 @@ _MISPLACED = "Y0116"
 _GIVES_NAMES = ("FRAME", "FRAME_QUAT", "LET", "FUNC", "TABLE", "JOINTS", "POSE")
 
 _WITHOUT_HEAD = "{[("
-"""First characters of a line that can't be parsed, but was probably meant as a DEFAULT."""
+"""Characters at the beginning of lines that were probably meant as a DEFAULT but lack this word."""
 
 _BY_DEFAULT = ("default", "unit")
-"""What findings may be missing because a DEFAULT line doesn't give it. Many lines use the DEFAULT line, so
-one mistake in it may cause many findings.
+"""Needs of a finding (`Finding.need`) that a DEFAULT line usually fulfils. Many lines rely on this line, so
+that one mistake in it may cause many findings.
 """
 
 _MANY = 3
@@ -38,7 +38,7 @@ line anyway.
 """
 
 _LIKE = 0.7
-"""Smallest similarity of a misspelt word and the word that was meant, as difflib's ratio."""
+"""Smallest similarity (difflib's ratio) at which a word counts as a misspelling of another word."""
 
 _WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
@@ -79,7 +79,7 @@ class _Reasons:
     """The lines with errors, and the names and settings that are missing elsewhere because of these errors.
 
     Args:
-        found: all findings.
+        findings: all findings.
         causes: lines whose errors may be the reason for other findings.
         source: the program's file.
     """
@@ -132,7 +132,7 @@ class _Reasons:
         return False
 
     def _is_spoken_of(self, finding: Diagnostic) -> bool:
-        """Return True if another line with an error contains the name that a finding is about."""
+        """Return True if the name that a finding is about also occurs in another line with an error."""
         if (
             finding.span is None
             or finding.source is not self._source
@@ -150,8 +150,8 @@ class _Reasons:
         return [line for line, first in each(self._firsts.items()) if _is_like(first, word)]
 
     def _leads(self, cause: Follows, line: int) -> bool:
-        """Return True if a finding in line `line` follows from a finding with the code of `cause`, which may
-        be in the same line, above or elsewhere, as `cause` says.
+        """Return True if a finding in line `line` follows from a finding with the code of `cause`.
+        `cause.where` states whether the cause must be in the same line, above it or anywhere.
         """
         lines = self._lines.get(cause.code, ())
         match cause.where:
@@ -163,8 +163,8 @@ class _Reasons:
                 return bool(lines) and line not in self._causes
 
     def _lost(self, finding: Diagnostic, line: int) -> bool:
-        """Return True if the name that a finding misses may be declared in a line with an error above it, or
-        in a cell or module that can't be read.
+        """Return True if the unknown name that a finding reports may be declared in an earlier line with an
+        error, or in a cell or module that can't be read.
         """
         if self._lost_cell and line not in self._lines.get(_MISPLACED, ()):
             return self._firsts.get(line, "") != "CELL"
@@ -191,8 +191,10 @@ def _doubtful(source: SourceFile, words: dict[int, set[str]]) -> frozenset[str]:
 
 
 def _rests_on(finding: Diagnostic, line: int, source: SourceFile, doubtful: frozenset[str]) -> bool:
-    """Return True if a finding about a motion may come from names whose declarations have errors. In loops
-    and SUBs, it always may.
+    """Return True if a finding about a motion may come from names whose declarations have errors.
+
+    If there are such names, this is assumed for every finding in a loop or SUB; if DEFAULT is one of the
+    names, for every finding.
     """
     if not doubtful:
         return False
@@ -242,7 +244,7 @@ def _is_like(word: str, known_name: str) -> bool:
 def _said_once(findings: list[Diagnostic]) -> tuple[Diagnostic, ...]:
     """Merge findings that repeat each other: those about the same unknown name, and many similar ones.
 
-    The first finding of each group stays, and its message gets the number of the others.
+    The first finding of each group stays, and its message gets the number of the other findings.
     """
     groups = gathered(findings, lambda one: _repeated(one) or one)
     return tuple(one for group in each(groups) for one in _shortened(group))
@@ -262,8 +264,8 @@ def _repeated(finding: Diagnostic) -> tuple[str, object] | None:
 
 
 def _shortened(group: list[Diagnostic]) -> list[Diagnostic]:
-    """Return only the first of several findings that repeat each other, with the number of the others; all of
-    them if they are few, or are never merged.
+    """Return only the first of several findings that repeat each other, with the number of the other findings
+    in its message. If the findings are few, or are never merged, return all of them.
     """
     first = group[0]
     kind, _ = _repeated(first) or ("", None)
@@ -280,8 +282,8 @@ def _shortened(group: list[Diagnostic]) -> list[Diagnostic]:
 
 
 def few_in_a_line(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
-    """Keep only the first findings with each code in a line. The message of the last one that stays gets the
-    number of the dropped ones.
+    """Of the findings with the same code in a line, keep only the first ones. The message of the last finding
+    that is kept gets the number of the dropped findings.
     """
     groups = gathered(diagnostics, _line_and_code)
     return tuple(one for group in each(groups) for one in _few(group))

@@ -24,7 +24,7 @@ def failure(error: Exception, source: SourceFile | None = None) -> Diagnostic:
 
 def _statement_of(error: Exception, source: SourceFile | None) -> tuple[SourceFile, Span] | None:
     """Return the statement that was being processed when an exception was raised: the statement in a local
-    variable of the innermost function that has one.
+    variable of the innermost function that has a statement.
     """
     for frame, _ in reversed(list(frames_of(error))):
         for value in list(frame.f_locals.values()):
@@ -45,8 +45,8 @@ def _origin_of(value: object) -> Origin | None:
 
 
 def _is_in(statement: Statement, source: SourceFile) -> bool:
-    """Return True if a statement belongs to this file: its name must be in the text there, since a module may
-    have a statement with the same line number.
+    """Return True if a statement belongs to this file: the file must have the statement's name at the
+    statement's place. (A statement of a module may have the same line number.)
     """
     name = statement.name
     line = source.line(statement.line + name.place.row)

@@ -66,12 +66,12 @@ class Analysis:
 
     @property
     def plan(self) -> MotionPlan | None:
-        """Return the plan of a program without errors."""
+        """Return the plan; None if the program has errors."""
         return self.checked.plan
 
     @property
     def certificate(self) -> Certificate | None:
-        """Return the certificate of a program without errors."""
+        """Return the certificate; None if the program has errors."""
         return self.checked.compiled.certificate if self.checked.compiled else None
 
     @cached_property
@@ -86,8 +86,8 @@ class Analysis:
 
     @cached_property
     def steps_by_line(self) -> Mapping[int, tuple[int, ...]]:
-        """Return the numbers of the steps that each command in the program's own file becomes, by the
-        command's first line. A command in a loop becomes many steps.
+        """Return the numbers of each command's steps, by the first line of the command, for commands in the
+        program's own file. A command in a loop has many steps.
         """
         found: dict[int, list[int]] = {}
         for number, step in enumerate(self._steps):
@@ -101,7 +101,7 @@ class Analysis:
 
 
 ENOUGH_AT_FIRST = 1_000
-"""Number of lines in loops and SUBs after which a quick check stops; they take about 0.1 s."""
+"""Number of lines in loops and SUBs after which a quick check stops. Checking them takes about 0.1 s."""
 
 
 class Analyst:
@@ -138,7 +138,7 @@ class Analyst:
                 yet. It is called only with `begun`.
 
         Returns:
-            None if the check was given up. What it has computed so far stays in the cache.
+            None if the check was given up. The results so far stay in the cache.
         """
         options = replace(self.options, enough=ENOUGH_AT_FIRST if quick else None)
         try:

@@ -46,7 +46,7 @@ class Options:
         enough: number of lines in loops and SUBs after which a quick check stops; None: no limit.
         present: function that returns the places of the cell's parts when the program starts; None: the
             places in the cell's file.
-        avoid_effort: number of paths around obstacles to search for, of which the fastest is taken.
+        avoid_effort: number of paths around obstacles to search for; the fastest of them is used.
     """
 
     robot: str | None = None
@@ -70,14 +70,14 @@ class Options:
                 editor.
         """
         if self.texts or self.present is not None:
-            raise ValueError("texts that are open, or parts that are moved, are not what is on the disk")
+            raise ValueError("open texts and moved parts differ from the files on the disk")
         given = (self.robot, self.start, self.tm, self.tolerance, self.target)
         return (*given, self.enough, self.cell, self.avoid_effort)
 
 
 @frozen(eq=False)
 class Opened:
-    """A parsed program and the request to compile it."""
+    """A parsed program, and the settings with which it is compiled."""
 
     module: Module
     request: Request
@@ -116,7 +116,8 @@ def open_source(source: SourceFile, folder: Path, options: Options) -> Result[Op
     if not parsed.diagnostics and not module.statements:
         span = Span.on_line(1, 1, 2)
         return Result(
-            None, (Diagnostic("Y0104", "the file has no command", source, span, "was another file meant?"),)
+            None,
+            (Diagnostic("Y0104", "the file has no command", source, span, "check which file was given"),),
         )
     project = find_project(folder, options.texts)
     if project.value is None:
@@ -167,12 +168,12 @@ def _robot(module: Module, folder: Path, project: Project, options: Options) -> 
             return robot
         other = _named(declared[0], folder, module.source, declared[1], options)
         if other.value is not None and other.value.fingerprint != robot.value.fingerprint:
-            message = f"the program is for {other.value.name}, the command line says {robot.value.name}"
+            message = f"the program is for {other.value.name}, but the command line names {robot.value.name}"
             if other.value.name == robot.value.name:
                 message = (
                     f"two robots are named {robot.value.name}: {other.value.folder} and {robot.value.folder}"
                 )
-            help_ = "leave --robot out, or change the ROBOT line"
+            help_ = "remove --robot, or change the ROBOT line"
             return Result(None, (Diagnostic("Y1392", message, module.source, declared[1], help_),))
         return Result(robot.value if other.value else None, other.diagnostics)
     if declared is not None:
@@ -197,8 +198,8 @@ def _on_command_line(name_or_path: str, project: Project, options: Options) -> R
 
 
 def robot_for(folder: Path, name: str | None, texts: Mapping[Path, SourceFile] = NO_TEXTS) -> Result[Robot]:
-    """Return the named robot, or without a name that of the folder's yarc.toml, for work that has no program
-    yet. `texts` are files that are open in an editor.
+    """Return the robot with the given name or, without a name, that of the folder's yarc.toml, for work that
+    has no program yet. `texts` are files that are open in an editor.
     """
     if name is not None:
         return named_robot(folder, name)
@@ -221,7 +222,7 @@ def named_robot(folder: Path, name_or_path: str) -> Result[Robot]:
 
 def robot_made_for(folder: Path, name: str) -> Result[Robot]:
     """Return the robot that a controller text or a log names: the robot of the folder's yarc.toml if it has
-    this name, else that of the library.
+    this name, else the library's robot with this name.
     """
     own = _folder_robot(folder, name)
     return load_robot(name) if own is None else Result(own)
@@ -253,7 +254,7 @@ def _of_project(project: Project, program: SourceFile | None, options: Options) 
     if project.robot is not None:
         return _named(project.robot, project.folder, project.source, project.span_of("robot"), options)
     names = ", ".join(robot.name for robot in list_robots())
-    help_ = f'say --robot NAME, or write a ROBOT line, or robot = "NAME" in yarc.toml; there are {names}'
+    help_ = f'give --robot NAME, a ROBOT line, or robot = "NAME" in yarc.toml; the robots are {names}'
     return Result(None, (Diagnostic("Y1391", "no robot is named", program, help=help_),))
 
 
@@ -301,10 +302,10 @@ def _start(
     names = " ".join(robot.joint_names)
     if len(values) != robot.size:
         message = (
-            f"{what} has {len(values)} value{'s' * (len(values) != 1)}; {robot.name} has {robot.size} "
+            f"{what} has {len(values)} value{'s' * (len(values) != 1)}, but {robot.name} has {robot.size} "
             f"joints ({names})"
         )
-        findings.add("Y1394", message, span, "give one value a joint, in deg (mm for prismatic joints)")
+        findings.add("Y1394", message, span, "give one value per joint, in deg (mm for prismatic joints)")
         return None
     q: Array = np.array(values, dtype=np.float64) * robot.axis_units
     excess = np.maximum(robot.limits.lower - q, q - robot.limits.upper) / robot.axis_units
@@ -314,7 +315,7 @@ def _start(
     joint = int(np.argmax(excess))
     if excess[joint] > 1e-9:
         name, unit = robot.joint_names[joint], robot.axis_unit_names[joint]
-        message = f"{what} takes {name} out of its limits by {excess[joint]:.4g} {unit}"
+        message = f"{what} has {name} {excess[joint]:.4g} {unit} outside of its limits"
         findings.add("Y1394", message, span, "the robot can't stand there")
         return None
     q.setflags(write=False)

@@ -88,7 +88,7 @@ def _apart(
     other, common = first
     if job.robot.folder != common.robot.folder:
         message = f"job {number} is for {job.robot.name}, job {other} for {common.robot.name}"
-        yield _finding(project, number, message, "the jobs of a project are those of one robot")
+        yield _finding(project, number, message, "use one robot for all jobs of a project")
         return
     for word, place in (("begins", job.start), *(("ends", end) for end in ends)):
         off = np.abs(place - common.start)
@@ -98,7 +98,7 @@ def _apart(
         names, units = job.robot.joint_names, job.robot.axis_unit_names
         here, there = (_value(job, one, joint) for one in (place, common.start))
         message = (
-            f"job {number} {word} with {names[joint]} at {here} {units[joint]}, and job {other} begins at "
+            f"job {number} {word} with {names[joint]} at {here} {units[joint]}, but job {other} begins at "
             f"{there} {units[joint]}"
         )
         help_ = "give all programs the same START" if word == "begins" else "end it with a MOVEJ to its START"

@@ -42,8 +42,8 @@ def job_of(
         robot: robot that the text is for.
         name: name of the program for people.
         papers: documents that are stored with the job.
-        offset: start of the job in the program that it is a part of [s].
-        clock: latest known time at which the job begins in that program [s].
+        offset: program time at which the job begins, if it is a part of a program [s].
+        clock: latest program time at which the job begins, without waits of unknown length [s].
 
     Returns:
         None, with a finding, if the text isn't for streaming.
@@ -101,8 +101,8 @@ def job_of(
 
 
 def _end_of(content: ControllerText, start: Array) -> Array:
-    """Return the joint position (n,) [axis units] after the last line of a controller text. If the last lines
-    are branches that meet, it is the target of the RAPID with which they meet.
+    """Return the joint position (n,) [axis units] after the last line of a controller text. If the text ends
+    with branches that meet, this is the target of the RAPID line after the branches.
     """
     for item in reversed(content.course):
         match item:
@@ -114,10 +114,10 @@ def _end_of(content: ControllerText, start: Array) -> Array:
 
 
 def in_pieces(content: dict[str, Any]) -> str:
-    """Return content as JSON, with each item of its lists encoded by a call of its own.
+    """Return content as JSON. Each item of a list is encoded by a separate call of the encoder.
 
-    A single call for all items would block the interpreter's other threads: for 0.1 s with a program of 400
-    commands.
+    A single call for all items of a program with 400 commands would block the interpreter's other threads for
+    0.1 s.
     """
     written = []
     for key, value in content.items():
@@ -135,8 +135,8 @@ def job_of_compiled(
         compiled: the program.
         name: name of the program for people.
         source: program text for the job's log; None: the program's own text.
-        offset: start of the job in the program that it is a part of [s].
-        clock: latest known time at which the job begins in that program [s].
+        offset: program time at which the job begins, if it is a part of a program [s].
+        clock: latest program time at which the job begins, without waits of unknown length [s].
     """
     text = compiled.program.source.text if source is None else source
     papers = Papers(text, in_pieces(compiled.certificate.to_json()))
@@ -151,10 +151,10 @@ def _has_barriers(content: ControllerText) -> bool:
 
 @frozen
 class _Making:
-    """What is known about a controller text's lines when jobs are made from groups of them.
+    """Facts about the lines of a controller text, from which jobs are made for groups of lines.
 
     Attributes:
-        begins: time at which each move line's motion or each dwell begins [s], by line.
+        begins: time at which the motion of a move line, or a dwell, begins [s], by line.
         commands: the program's commands with their times.
         arms: lines that arm the guard.
         sets: variables that lines set, by line.
@@ -168,7 +168,7 @@ class _Making:
     sets: dict[int, tuple[str, float]]
     dwells: dict[int, float]
     searches: dict[int, Searched]
-    """Searches, by their first lines."""
+    """Search motions, by the number of their first line."""
 
     def part(
         self,
@@ -289,14 +289,15 @@ def _barrier(item: Barred, entry: Entry, offset: Shifted | None) -> Barrier:
 
 
 def _begins(content: ControllerText, schedule: Schedule) -> dict[int, float]:
-    """Return the time at which the motion of each move line, and each dwell, begins [s], by the number of the
-    line.
+    """Return the time at which the motion of each move line begins, and the time at which each dwell begins
+    [s], by the number of the line.
     """
     begins: dict[int, float] = {}
     for item, now in zip(content.course, schedule.places, strict=False):
         match item:
             case Run():
-                # A sequence begins with an additional segment (TUM 289).
+                # A sequence begins with an additional segment (TUM 289), so the first move line begins one
+                # segment later.
                 begins |= {int(line): now + row * item.segment for row, line in enumerate(item.lines, 1)}
             case Dwelt(line=line, milliseconds=milliseconds) if milliseconds > 0.0:
                 begins[line] = now

@@ -1,6 +1,7 @@
 """A cache of robots, cells and trajectories that stays valid as long as none of their files has changed.
 
-Until then it returns the same objects, so that results that are cached for these objects stay valid too.
+While the files are unchanged, the cache returns the same objects. Other results that are cached for these
+objects then stay valid too.
 """
 
 from __future__ import annotations
@@ -47,7 +48,7 @@ def robot_kept(
 def cell_kept(
     memory: Memory, path: Path, robot: Robot, text: str | None, load: Callable[[], Result[Cell]]
 ) -> Result[Cell]:
-    """Return a cell for the same robot from the cache, like `robot_kept`."""
+    """Return a cell from the cache, like `robot_kept`, if it was read for the same robot."""
     key = ("cell", path, path.absolute(), robot, text)
     return _kept(memory, key, load, lambda: (path,), lambda cell: (path, *meshes_of(cell)))
 
@@ -101,7 +102,9 @@ def _meshes(shapes: Iterable[Shape]) -> list[Path]:
 
 
 def _beside(folders: Iterable[Path]) -> tuple[Path, ...]:
-    """Return all files in a robot's folders, since its URDF may refer to any of them."""
+    """Return all files in a robot's folders that have a suffix in `_READ`, since the robot's URDF may refer
+    to any of them.
+    """
     files: list[Path] = []
     for folder in folders:
         try:
@@ -112,7 +115,7 @@ def _beside(folders: Iterable[Path]) -> tuple[Path, ...]:
 
 
 _READ = frozenset([".toml", ".urdf", ".xml", ".srdf"])
-"""Types of files from which a robot is read, besides meshes."""
+"""Suffixes of the files from which a robot is read, besides meshes."""
 
 
 def stamp_of(files: Iterable[Path]) -> Stamp:

@@ -23,10 +23,11 @@ BACK = "<back>"
 """Name of the program that leads back along a path."""
 
 _WITHIN = 1e-4
-"""Largest deviation of each joint from the path on the way back [rad or m], as the default of MOVEJ_TIMED."""
+"""Largest deviation of each joint from the path on the way back [rad or m]; equal to MOVEJ_TIMED's default.
+"""
 
 _SLOWER = 2.0
-"""Ratio of the duration of the way back to that of the way forward."""
+"""Smallest ratio of the duration of the way back to that of the way forward."""
 
 _SHORTEST = 1.0
 """Shortest time of the way back [s]."""
@@ -41,7 +42,7 @@ _MOST_ROWS = 2000
 def leaving(
     plan: MotionPlan, name: str, number: int, time: float, position: Array, request: Request
 ) -> tuple[Job, ...] | str:
-    """Plan how a robot withdraws that was stopped on the path of a motion.
+    """Plan the motions by which a robot withdraws after it was stopped on the path of a motion.
 
     Args:
         plan: the program.
@@ -57,7 +58,7 @@ def leaving(
     """
     way = next((one for one in plan.program.ways_out if one.name == name), None)
     if way is None:
-        return f"the program has no way {name}"
+        return f"the program has no branch {name}"
     begin = stand_before(plan, number)
     end = start_of(plan, begin)
     jobs: list[Job] = []
@@ -65,12 +66,12 @@ def leaving(
         back = _back(plan, begin, time, position, request)
         if isinstance(back, str):
             title = title_of(plan, begin)
-            return f"the way back to where {title} begins can't be done: {back}"
+            return f"the robot can't move back to the start of {title}: {back}"
         jobs.append(job_of_compiled(back, BACK))
         end = jobs[0].end
     out = _out(plan, way, end, request)
     if isinstance(out, str):
-        return f"{name} can't be carried out: {out}"
+        return f"{name} can't be executed: {out}"
     return (*jobs, job_of_compiled(out, plan.program.source.name))
 
 
@@ -79,8 +80,8 @@ def _out(plan: MotionPlan, way: WayOut, position: Array, request: Request) -> Co
 
 
 def _back(plan: MotionPlan, begin: int, time: float, position: Array, request: Request) -> Compiled | str:
-    """Plan the way back along the path from the robot's position, from rest to rest, no faster than the
-    robot came.
+    """Plan the way back along the path, from rest at the robot's position to rest at the start of motion
+    `begin`. It takes at least `_SLOWER` times as long as the way forward.
     """
     whole, watches = plan.program, only_holding(plan.program.watches)
     since = float(plan.begins[begin])
@@ -104,12 +105,13 @@ def _back(plan: MotionPlan, begin: int, time: float, position: Array, request: R
 
 
 def _table(plan: MotionPlan, since: float, progress: float, lasts: float) -> Timetable:
-    """Return the way back along a plan as a timetable from rest to rest: from `progress` [s after `since`] to
-    `since`, in `lasts` [s].
+    """Return the way back along a plan as a timetable that begins and ends at rest. It leads from the plan's
+    position at time `since + progress` to that at time `since` [s], and takes `lasts` [s].
     """
     count = int(np.clip(np.ceil(lasts / _ROW_EACH), 4, _MOST_ROWS))
     share = np.arange(1, count + 1) / count
-    # Hermite's smoothest step of degree 5, with its first two derivatives.
+    # `step` goes from 0 to 1 by the polynomial of degree 5 that begins and ends with zero velocity and
+    # acceleration. `slope` and `bend` are its first two time derivatives.
     step = share**3 * (10.0 + share * (6.0 * share - 15.0))
     slope = 30.0 * share**2 * (1.0 - share) ** 2 / lasts
     bend = 60.0 * share * (1.0 - share) * (1.0 - 2.0 * share) / lasts**2

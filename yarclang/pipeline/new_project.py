@@ -35,9 +35,7 @@ _STEP = {"deg": 5.0, "mm": 50.0}
 
 def check_name(name: str) -> tuple[Diagnostic, ...]:
     """Return a finding if a project can't have this name."""
-    help_ = (
-        "a name has letters A to Z, digits, _ and -, a letter first, at most 60 of them: yarc new first_cell"
-    )
+    help_ = "use letters A to Z, digits, _ and -, a letter first, at most 60 characters: yarc new first_cell"
     if not _NAME.fullmatch(name):
         return (Diagnostic("Y1522", f"{name[:80]!r} can't be the name of a project", help=help_),)
     if (library_folder() / f"{name.lower()}{SUFFIX}").is_file():
@@ -58,14 +56,14 @@ def check_folder(folder: Path) -> tuple[Diagnostic, ...]:
             if not there:
                 return ()
             shown = ", ".join(there[:3]) + ", ..." * (len(there) > 3)
-            message = f"{folder} is there already, with {shown}"
+            message = f"{folder} exists and contains {shown}"
         elif folder.exists() or folder.is_symlink():
-            message = f"{folder} is there already, and isn't a folder"
+            message = f"{folder} exists, but isn't a folder"
         else:
             return ()
     except OSError as error:
-        message = f"{folder} can't be looked into: {reason_of(error)}"
-    return (Diagnostic("Y1521", message, help="choose another name, or another place"),)
+        message = f"{folder} can't be read: {reason_of(error)}"
+    return (Diagnostic("Y1521", message, help="choose another name or another folder"),)
 
 
 def project_files(name: str, robot: Robot, robot_entry: str) -> dict[str, str]:
@@ -78,7 +76,7 @@ def project_files(name: str, robot: Robot, robot_entry: str) -> dict[str, str]:
     """
     joint, unit = 0, robot.axis_unit_names[0]
     up, down = (robot.limits.upper - robot.home)[joint], (robot.home - robot.limits.lower)[joint]
-    # Half of the range that is left, if that is less.
+    # Move at most half of the way from the home position to the joint's limit.
     step = min(_STEP[unit], max(up, down) / 2 / robot.axis_units[joint]) * (1 if up >= down else -1)
     filled = {
         "@NAME@": name,

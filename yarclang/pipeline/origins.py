@@ -51,7 +51,7 @@ class Origins:
         return next((one for one in matches if one.span.line == source_line), matches[0] if matches else None)
 
     def of_listed(self, listed: Listed) -> Origin | None:
-        """Return the origin of a command that the text's own map lists."""
+        """Return the origin of a command that the map in the header of the controller text lists."""
         return self.of(listed.index, listed.name, listed.source_line)
 
 
@@ -69,10 +69,12 @@ def origins_of_text(
     """
     preamble = header_of(text)
     if isinstance(preamble, Unreadable):
-        return Origins(None, f"the text isn't as yarcc wrote it: line {preamble.line} {preamble.reason}")
+        return Origins(
+            None, f"the text was changed after yarcc wrote it: line {preamble.line} {preamble.reason}"
+        )
     header, name = preamble.header, preamble.header.source
     if source is None and (not name or "/" in name or name == "<stdin>"):
-        return Origins(None, "the text doesn't say which file its program is")
+        return Origins(None, "the text doesn't name its program's file")
     tried = [folder / name, Path(name)] if source is None else [Path(source)]
     places = [place for place in tried if is_file(place)]
     if not places:
@@ -82,14 +84,12 @@ def origins_of_text(
             program = _program(str(place), robot, start, cell)
             if program is not None and fingerprint(program) == header.program_fingerprint:
                 return Origins(program)
-    return Origins(
-        None, f"{places[0]} does something else than this text: the source has changed, or is another one"
-    )
+    return Origins(None, f"{places[0]} differs from this text: the source has changed, or is another program")
 
 
 def _program(path: str, robot: Robot, start: tuple[float, ...] | None, cell: str | None) -> Program | None:
     """Return a program, checked for a robot; None if it can't be read."""
-    opened = open_program(path, Options(robot=str(robot.folder / "robot.toml"), start=start, cell=cell))
+    opened = open_program(path, Options(robot=str(robot.file), start=start, cell=cell))
     if opened.value is None:
         return None
     return check_program(opened.value.module, opened.value.request).value

@@ -1,5 +1,5 @@
-"""Plan the programs that a run needs besides the complete one: a part of it, and the slow motion to its
-start.
+"""Plan the programs that a run needs besides the complete program: a part of the program, and the slow motion
+to its start.
 """
 
 from __future__ import annotations
@@ -66,8 +66,8 @@ _SHORTEST = 0.5
 def approach(
     robot: Robot, position: Array, goal: Array, cell: Cell | None = None, watches: tuple[Watch, ...] = ()
 ) -> Result[Compiled]:
-    """Plan and certify a motion of all joints from the robot's position to a goal, within the robot's rapid
-    share of its limits.
+    """Plan and certify a motion of all joints from the robot's position to a goal. Its joint speeds are at
+    most `rapid_share` of their limits.
 
     The motion is straight in joint space if this path is free; otherwise it goes around obstacles.
 
@@ -79,7 +79,7 @@ def approach(
         watches: inputs that hold the motion, such as those of the program that follows.
 
     Returns:
-        A finding instead, if there is no such motion.
+        The motion as a compiled program; None, with a finding, if there is no such motion.
     """
     cell = around_start(cell)
     way = find_way(room_of(robot, cell, tool_frame(robot)), position, goal)
@@ -100,7 +100,8 @@ def approach(
         made = compiled_part(program, Request(robot))
         if made.value is None or _fastest(made.value, limits.velocity) <= share * (1.0 + 1e-9):
             return made
-        # ramps consist of whole segments, which can make the cruise a little faster than the profile's peak
+        # The ramps of the executed motion consist of whole segments. Its largest speed can therefore be a
+        # little higher than the computed one: try again with a longer duration.
         duration += 0.05
 
 
@@ -132,7 +133,7 @@ def _round(
 
 
 def _line(robot: Robot, name: str, points: list[Array], time: str) -> tuple[SourceFile, Origin]:
-    """Return the text of a program that only approaches a start, with its single command."""
+    """Return the source of a program that only approaches a start, and the origin of its single command."""
     values = "; ".join(" ".join(f"{value:.6g}" for value in q / robot.axis_units) for q in points)
     text = f"P0001 {name} {values} [{time}] (deg,s)"
     source = SourceFile("<approach>", text)
@@ -141,17 +142,19 @@ def _line(robot: Robot, name: str, points: list[Array], time: str) -> tuple[Sour
 
 def _reason(robot: Robot, way: NoWay) -> str:
     if way.start is not None:
-        return f"the robot can't leave from where it stands: {inside(way.start)}"
+        return f"no path can begin at the robot's position: {inside(way.start)}"
     if way.goal is not None:
-        return f"the robot can't go to the start: there, {inside(way.goal)}"
+        return f"no path can end at the program's start: there, {inside(way.goal)}"
     if way.parting is not None:
-        return f"there is no way from where the robot stands to the start: {parted(robot, way.parting)}"
-    return f"no way from where the robot stands to the start was found {tried(robot, way)}"
+        return (
+            f"no path exists from the robot's position to the program's start: {parted(robot, way.parting)}"
+        )
+    return f"no free path from the robot's position to the program's start was found {tried(robot, way)}"
 
 
 _BY_HAND = (
-    "move the robot into the open by hand, slowly (yarc repl jogs it); or correct the cell.toml, or where "
-    "the program starts"
+    "jog the robot slowly away from the obstacles (yarc repl), or correct the cell.toml or the program's "
+    "start"
 )
 
 
@@ -165,7 +168,7 @@ def part(
     since: tuple[int, int, Cell] | None = None,
     step: int | None = None,
 ) -> Result[Compiled]:
-    """Return a part of a plan as a program of its own.
+    """Compile a part of a plan as a separate program.
 
     Steps between two motions belong to the first of these motions. Steps before the plan's first motion, such
     as a WAIT, belong to this motion or to none (`with_lead`).
@@ -176,14 +179,16 @@ def part(
         first: number of the first motion.
         last: number after the last motion; None: to the end of the plan.
         with_lead: True if the steps before the first motion belong to the part.
-        since: the number of a motion at whose start the robot is, the number of a step, and the cell with its
-            parts where they are before that step. None: the places of the parts follow from the beginning of
-            the plan.
-        step: the step with which the part begins, while the robot is at the start of the first motion; None:
-            as `with_lead` says.
+        since: known state from which the places of the cell's parts are computed, as a tuple: the number of a
+            motion, at whose start the robot is; the number of a step before this motion; and the cell, with
+            its parts where they are before this step. None: the places are computed from the beginning of the
+            plan.
+        step: number of the step with which the part of the plan begins, while the robot is at the start of
+            motion `first`; None: as `with_lead` says.
 
     Returns:
-        A finding instead, if the part would begin or end between blended motions, or inside a WHEN.
+        The compiled program. None, with a finding, if the part of the plan would begin or end between blended
+        motions, or inside a WHEN or loop.
     """
     motion = plan.motions[first]
     steps = plan.program.steps
@@ -198,20 +203,18 @@ def part(
     chosen = steps[begin:end]
     if _cut_way(chosen) is not None:
         inside = _outermost_open(steps, begin) or _outermost_open(steps, end)
-        assert inside is not None  # it is missing a part on one side or the other
+        assert inside is not None  # the WHEN or loop is cut at the beginning or at the end
         word = "CASE" if inside.origin.name == "OF" else inside.origin.name
         if isinstance(inside, Loop):
-            message = (
-                f"a program can't be begun or paused inside a {word}: its passes aren't counted from there"
-            )
+            message = f"a program can't begin or pause inside a {word}: its passes aren't counted from there"
         else:
-            message = f"a program can't be begun or paused inside a {word}: which way is taken isn't known"
+            message = f"a program can't begin or pause inside a {word}: the branch to take isn't known"
         help_ = f"begin before the {word}, or after its END"
         return Result(None, (Diagnostic("Y1164", message, plan.program.source, inside.origin.span, help_),))
     program = replace(plan.program, start=motion.curve.points[0], steps=chosen)
     around = _cells(plan) if since is None else _cells_since(plan, *since)
     if around is not None and plan.program.cell is not None:
-        # The places of parts depend on all earlier steps.
+        # Take the places of parts from the whole plan, since they depend on all earlier steps.
         cells = {step - begin: cell for step, cell in around.items() if begin <= step < end}
         program = replace(program, cell=without_parts(plan.program.cell), cells=cells)
     return compiled_part(program, request)
@@ -220,8 +223,8 @@ def part(
 def steps_of(
     plan: MotionPlan, first: int, last: int | None = None, *, with_lead: bool = True, step: int | None = None
 ) -> tuple[int, int]:
-    """Return the range of steps that belong to the motions from `first` up to `last` of a plan, counted as in
-    `part`: the first step, and the step after the last.
+    """Return the range of steps that belong to the motions from `first` up to, but not including, `last`: the
+    number of the first step, and the number after the last. Steps between motions are assigned as by `part`.
     """
     steps = plan.program.steps
     end = len(steps) if last is None or last >= len(plan.motions) else plan.motions[last].step
@@ -230,7 +233,7 @@ def steps_of(
 
 
 def parts_before(plan: MotionPlan, step: int) -> Parts | None:
-    """Return where the parts are before a step of a plan; None if its cell has no parts."""
+    """Return the places of the parts before a step of a plan; None if its cell has no parts."""
     whole = followed_plan(plan)
     if whole is None or plan.program.cell is None or not plan.program.cell.parts:
         return None
@@ -241,7 +244,7 @@ def parts_before(plan: MotionPlan, step: int) -> Parts | None:
 
 
 def leaving_before(plan: MotionPlan, step: int, now: Parts) -> tuple[Leaving, ...]:
-    """Return the gripper that moves away from where it took or put down parts, during the motion of a step.
+    """Return the gripper that moves away, during a motion, from parts that it has just taken or put down.
 
     Args:
         plan: the plan.
@@ -249,7 +252,7 @@ def leaving_before(plan: MotionPlan, step: int, now: Parts) -> tuple[Leaving, ..
         now: current places of the parts.
 
     Returns:
-        Empty if there is no such gripper, or if these parts aren't where the plan has them.
+        An empty tuple if there is no such gripper, or if these parts aren't where the plan has them.
     """
     whole, parts_of_steps = followed_plan(plan), parts_before(plan, step)
     handling = handling_of(plan.robot, plan.program.cell, plan.program.steps)
@@ -280,8 +283,8 @@ def _cells(plan: MotionPlan) -> Mapping[int, Cell | None] | None:
 
 
 def _cells_since(plan: MotionPlan, number: int, step: int, cell: Cell) -> Mapping[int, Cell | None] | None:
-    """Return the cell during each motion from motion `number` on, by step. `cell` has the parts where they
-    are before step `step`, which is before that motion.
+    """Return the cell during each motion from motion `number` on, by the number of the motion's step. `cell`
+    has the parts where they are before step `step`, which comes before that motion.
     """
     allowed = {at - step: one for at, one in allowances_of(plan.program).items() if at >= step}
     handling = handling_of(plan.robot, cell, plan.program.steps[step:], allowed)
@@ -293,15 +296,15 @@ def _cells_since(plan: MotionPlan, number: int, step: int, cell: Cell) -> Mappin
 
 
 def ends_of(plan: MotionPlan) -> dict[int, Array]:
-    """Return the end position of each motion of a plan (n,) [rad or m], by its step."""
+    """Return the joint position (n,) [rad or m] at the end of each motion, by the number of its step."""
     return {
         motion.step: motion.curve.sample(np.array([motion.curve.duration]))[0][0] for motion in plan.motions
     }
 
 
 def _cut_way(steps: tuple[Step, ...]) -> Turn | None:
-    """Return the first step that belongs to a WHEN or loop of which these steps contain only a part; None if
-    all are complete.
+    """Return the first step of a WHEN or loop that isn't completely contained in these steps; None if there
+    is none.
     """
     opened: list[Turn] = []
     for step in steps:
@@ -331,11 +334,12 @@ def _outermost_open(steps: tuple[Step, ...], at: int) -> Turn | None:
 
 
 def chain_begin(plan: MotionPlan, number: int) -> int:
-    """Return the number of the last motion up to motion `number` at whose start the robot is at rest; usually
-    `number` itself.
+    """Return the number of the motion from which a program must begin to execute motion `number`: the last
+    motion, up to and including motion `number`, that the robot begins from rest. Usually this is `number`
+    itself.
 
-    A program can begin only there. It also can't begin with the motion after a search, because the search
-    ends at a position that is known only at run time.
+    A motion after a search doesn't count, because the position at which the search ends is known only at run
+    time.
     """
     searches = {one.step for one in searches_of(plan.program)}
     while number and (plan.motions[number - 1].flows or plan.motions[number - 1].step in searches):
@@ -350,12 +354,12 @@ def chains(plan: MotionPlan, first: int = 0) -> list[tuple[int, int]]:
     The motions of a WHEN, a CASE or a loop belong to one group with the motion before it.
 
     Returns:
-        For each group, the numbers of its first motion and of the motion after its last.
+        For each group, the numbers of its first motion and of the first motion after the group.
     """
     flows = [motion.flows for motion in plan.motions]
     inside = _in_ways(plan.program.steps)
     searches = {one.step for one in searches_of(plan.program)}
-    # The motion after a search begins where the search has ended.
+    # No program begins with the motion after a search, which starts wherever the search has ended.
     searched = [motion.step in searches for motion in plan.motions]
     begins = [
         number
@@ -376,8 +380,9 @@ def _in_ways(steps: tuple[Step, ...]) -> list[bool]:
 
 
 def chain_place(plan: MotionPlan, place: str) -> str:
-    """Return the place of the last motion up to the motion at `place` at whose start the robot is at rest;
-    usually `place` itself. A program can begin there.
+    """Return the place of the motion from which a program must begin to execute the motion at `place`: the
+    last motion, up to and including this one, that the robot begins from rest. Usually this is `place`
+    itself.
     """
     number = motion_number(plan, place)
     return place if isinstance(number, Diagnostic) else _origin(plan, chain_begin(plan, number)).label
@@ -391,13 +396,13 @@ def _in_a_chain(plan: MotionPlan, number: int, begin: int) -> Diagnostic:
     before = _origin(plan, number - 1)
     if plan.motions[number - 1].flows:
         message = (
-            f"{_called(before)} flows into {_called(origin)}: the robot doesn't stand between them, so a "
+            f"{_called(before)} flows into {_called(origin)}: the robot doesn't stop between them, so a "
             "run can't begin there"
         )
     else:
         message = (
-            f"{_called(origin)} begins where {_called(before)} has ended, and that place is known only in "
-            "the run that has found it"
+            f"{_called(origin)} begins where {_called(before)} ended, a place that is known only in the "
+            "run that found it"
         )
     flows = plan.motions[number - 1].flows
     help_ = f"begin with {_called(first)}{', where the chain begins' * flows}"
@@ -425,14 +430,15 @@ def _step_origin(plan: MotionPlan, at: int) -> Origin:
 
 
 def beginning(plan: MotionPlan, place: str) -> tuple[int, int] | Diagnostic:
-    """Return where a program begins that is to begin at a command.
+    """Find the motion and the step with which a program begins if it is started at a given command.
 
     Args:
         plan: the plan.
         place: place of a motion, or of a WAIT, SET, HOLD or DWELL, during which the robot is at rest.
 
     Returns:
-        The number of the first motion and that of the first step; a finding if no motion follows the command.
+        The number of the first motion, and the number of the first step; a finding if no motion follows the
+        command.
     """
     steps = plan.program.steps
     moves = {motion.step for motion in plan.motions}
@@ -450,7 +456,7 @@ def beginning(plan: MotionPlan, place: str) -> tuple[int, int] | Diagnostic:
     behind = next((one for one, motion in enumerate(plan.motions) if motion.step >= at), None)
     if behind is not None:
         return behind, at
-    message = f"{place} is no motion, and none comes after it"
+    message = f"{place} isn't a motion, and no motion follows it"
     last = f"the last motion is {_called(_origin(plan, len(plan.motions) - 1))}" if plan.motions else ""
     return Diagnostic("Y1164", message, plan.program.source, _step_origin(plan, at).span, help=last)
 
@@ -479,8 +485,8 @@ def stands_for(plan: MotionPlan, first: int, step: int) -> float:
 
 
 def motion_number(plan: MotionPlan, place: str) -> int | Diagnostic:
-    """Return the number of the first motion with a place. The place is an index such as P0010, or the calls
-    and loops around an index, as a run reports them.
+    """Return the number of the first motion at a place. The place is an index such as P0010, or an index with
+    the calls and loops around it, as a run reports it.
 
     Returns:
         A finding that lists the existing places, if there is no such motion.
@@ -490,14 +496,19 @@ def motion_number(plan: MotionPlan, place: str) -> int | Diagnostic:
         return found[0]
     named = [name for name in labels.values() if name]
     shown = ", ".join(named[:8]) + (", ..." if len(named) > 8 else "")
-    message = f"no motion has the index {place}" if ">" not in place else f"no motion stands at {place}"
+    message = f"no motion has the index {place}" if ">" not in place else f"no motion is at {place}"
     return Diagnostic(
-        "Y1164", message, plan.program.source, help=f"there are {shown}" if shown else "no motion has one"
+        "Y1164",
+        message,
+        plan.program.source,
+        help=f"the indexes are {shown}" if shown else "no motion has an index",
     )
 
 
 def compiled_part(program: Program, request: Request) -> Result[Compiled]:
-    """Plan and certify a program that is a part of another program, or a motion to the start of one."""
+    """Plan and certify a program that is a part of another program, or a motion to the start of another
+    program.
+    """
     planned = plan_program(program, request)
     if planned.value is None:
         return Result(None, planned.diagnostics)

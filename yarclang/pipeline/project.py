@@ -27,10 +27,15 @@ _LEVELS = ("off", "note", "warning", "error")
 class Project:
     """The settings of a project, from its yarc.toml.
 
-    They are a robot's name or its path (relative to `folder`), the path of a cell.toml for all programs
-    (relative to `folder`), the joint position at which programs start [deg, mm for prismatic joints], True if
-    the programs are for teaching at reduced speed, and the severity of findings by their codes (`off`: not
-    reported). `jobs` are programs by their numbers, as paths relative to `folder`.
+    Attributes:
+        folder: folder to which the paths are relative.
+        robot: name of a robot, or its path relative to `folder`.
+        start: joint position at which programs start [deg, mm for prismatic joints].
+        cell: path of a cell.toml for all programs, relative to `folder`.
+        source: text of the yarc.toml; None without one.
+        teach: True if the programs are for teaching at reduced speed.
+        levels: severity of findings by their codes (`off`: not reported).
+        jobs: programs by their numbers, as paths relative to `folder`.
     """
 
     folder: Path
@@ -43,7 +48,7 @@ class Project:
     jobs: Mapping[int, str] = field(default_factory=dict)
 
     def span_of(self, key: str) -> Span | None:
-        """Return where the value of a key is in yarc.toml."""
+        """Return the place of a key's value in yarc.toml."""
         return find_places(self.source).of_value((key,)) if self.source else None
 
 
@@ -97,14 +102,16 @@ def read_project(source: SourceFile, folder: Path) -> Result[Project]:
     if cell is not None and (not isinstance(cell, str) or not cell.strip()):
         say(
             "cell",
-            f"cell is the path of a file, seen from the folder of {FILE_NAME}, in quotes",
+            f"cell is the path of a file in quotes, relative to the folder of {FILE_NAME}",
             'write cell = "cell.toml"',
         )
     if start is not None and not (
         isinstance(start, list) and all(type(value) in {int, float} for value in start)
     ):
         say(
-            "start", "start is a list of numbers", "write one value a joint, in deg (mm for prismatic joints)"
+            "start",
+            "start is a list of numbers",
+            "write one value per joint, in deg (mm for prismatic joints)",
         )
     teach = data.get("teach", False)
     if not isinstance(teach, bool):
@@ -133,16 +140,16 @@ def _jobs(table: Any, source: SourceFile, findings: list[Diagnostic]) -> dict[in
         if not 0 <= number <= _LARGEST_JOB:
             say(
                 ("jobs", word),
-                f"{word[:40]!r} is no number of a job",
+                f"{word[:40]!r} isn't the number of a job",
                 f"write an integer from 0 to {_LARGEST_JOB}",
             )
         elif number in programs:
-            say(("jobs", word), f"job {number} stands twice", "leave one of them")
+            say(("jobs", word), f"job {number} is given twice", "remove one of them")
         elif not isinstance(file, str) or not file.lower().endswith(".yarc"):
             say(
                 ("jobs", word),
-                f"job {number} is no program",
-                f'write {number} = "left.yarc", a path seen from the folder of {FILE_NAME}',
+                f"job {number} isn't the path of a program",
+                f'write {number} = "left.yarc", a path relative to the folder of {FILE_NAME}',
             )
         else:
             programs[number] = file
@@ -167,21 +174,21 @@ def _levels(table: Any, source: SourceFile, findings: list[Diagnostic]) -> dict[
         say(("findings",), "findings is a table", 'write [findings], and below it Y0611 = "off"')
         return levels
     known_words = [*everything(), *(one.name for one in everything().values())]
-    # A more specific key takes precedence, whatever the order is.
+    # Apply short keys first, so that a more specific key takes precedence in any order of the file.
     for word, level in sorted(table.items(), key=lambda entry: len(entry[0])):
         path = ("findings", word)
         codes = codes_of(word)
         if not codes:
             subject = unknown(word, known_words)
             help_ = subject.question or "yarc explain lists all codes"
-            say(path, f"no finding is called {word}", help_, subject)
+            say(path, f"there is no finding {word}", help_, subject)
         elif level not in _LEVELS:
             say(path, f"{word} is set to {level!r}", f"a finding is one of {', '.join(_LEVELS)}")
         elif len(codes) == 1 and everything()[codes[0]].severity == "error" and level != "error":
             say(
                 path,
-                f"{codes[0]} is an error, which stays one",
-                "the program can't be carried out as it is written",
+                f"{codes[0]} is an error, which can't be changed",
+                "a program with an error can't be executed",
             )
         else:
             levels |= {code: level for code in codes if everything()[code].severity != "error"}

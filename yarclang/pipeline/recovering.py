@@ -27,7 +27,7 @@ seconds.
 """
 
 _SAME = 1e-6
-"""Distance within which places count as the same [rad or m]."""
+"""Largest difference of a joint between two positions that count as equal [rad or m]."""
 
 NOT_RECOVERED = "Y1660"
 """Code of the finding that no proved motion leads from the robot's position to the program."""
@@ -61,7 +61,8 @@ class Recovery:
         cell: the cell of the proof, with its parts.
         assumed: names of the parts whose positions are unknown. They are assumed to be where the program has
             them when it begins at this place.
-        refused: findings why the robot can't move to the program's start; empty if the place is the start.
+        refused: findings that state why the robot can't move to the program's start; empty if the place is
+            the start.
     """
 
     place: Place
@@ -95,7 +96,7 @@ def recovery(
         nearest: False if only `start` is wanted.
 
     Returns:
-        A finding instead, if no motion is proved.
+        The place and the motion to it; None, with a finding, if no motion is proved.
     """
     if (beyond := _beyond(robot, position)) is not None:
         return Result(None, (beyond,))
@@ -128,9 +129,9 @@ def _beyond(robot: Robot, position: Array) -> Diagnostic | None:
     unit, scale = robot.axis_unit_names[joint], robot.axis_units[joint]
     lower, upper = robot.limits.lower[joint] / scale, robot.limits.upper[joint] / scale
     message = (
-        f"{robot.joint_names[joint]} stands at {position[joint] / scale:.4f} {unit}, "
-        f"{excess[joint] / scale:.4f} {unit} beyond its limits {lower:g} to {upper:g}: no motion from there "
-        "is proved"
+        f"{robot.joint_names[joint]} is at {position[joint] / scale:.4f} {unit}, "
+        f"{excess[joint] / scale:.4f} {unit} beyond its limits {lower:g} to {upper:g}: no motion from "
+        "there is proved"
     )
     return Diagnostic(NOT_RECOVERED, message, help="move this joint back by the controller's own jog, slowly")
 
@@ -150,8 +151,8 @@ def start_of(plan: MotionPlan | None, at_place: Array, step: int | None = None, 
 
 
 def parts_at(plan: MotionPlan | None, place: Place, first: Parts | None) -> Parts | None:
-    """Return where a program has its parts when it begins at `place`; at the program's start they are where
-    `first` has them. None if the program's cell has no parts.
+    """Return the places of the parts when a program begins at `place`: at the program's start as in `first`,
+    elsewhere as the plan has them. None if the program's cell has no parts.
     """
     if plan is None or not place.number or not plan.motions:
         return first
@@ -240,9 +241,9 @@ def _no_way(tried: list[Place], refused: tuple[Diagnostic, ...]) -> Diagnostic:
     others = f" or to the {len(tried) - 1} nearest places of the program" if len(tried) > 2 else ""
     others = f" or to {tried[1].title}" if len(tried) == 2 else others
     why = f": {refused[0].message}" if refused else ""
-    message = f"no motion from where the robot stands to {first}{others} is proved{why}"
+    message = f"no motion from the robot's position to {first}{others} could be proved{why}"
     help_ = (
-        "jog the robot into the open (yarc repl, or the pendant), and recover from there; or correct the "
-        "cell.toml"
+        "jog the robot away from the obstacles (yarc repl, or the pendant), and recover from there; or "
+        "correct the cell.toml"
     )
     return Diagnostic(NOT_RECOVERED, message, help=help_)

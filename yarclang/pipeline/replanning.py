@@ -36,7 +36,7 @@ from yarclang.runtime.actions import Replanned
 from yarclang.runtime.job import Job
 
 _SAME = 1e-6
-"""Tolerance between the end of the new plan and the program's own place [rad or m]."""
+"""Largest distance of the new plan's end from the position at which the program continues [rad or m]."""
 
 
 def replanned(plan: MotionPlan, number: int, position: Array, request: Request) -> Replanned | str:
@@ -49,7 +49,7 @@ def replanned(plan: MotionPlan, number: int, position: Array, request: Request) 
         request: tolerance and longest segment time with which the program was planned.
 
     Returns:
-        A text with the reason instead, if the lines can't be planned and proved.
+        The lines as jobs. If they can't be planned and proved, a text with the reason.
     """
     steps = plan.program.steps
     begin = _behind_when(steps, plan.motions[number].step + 1)
@@ -61,10 +61,10 @@ def replanned(plan: MotionPlan, number: int, position: Array, request: Request) 
             title = last.origin.label or last.origin.name
             following = next((one for one in plan.motions[number + 1 :] if steps[one.step] is last), None)
             if following is None:
-                return f"{title} leads nowhere in the program"
+                return f"{title} has no following motion in the program"
             end = following.waypoints[-1]
             last = replace(last, allowed=kept(last, allowances_of(plan.program).get(following.step, ())))
-            if isinstance(last, JointMove):  # of several solutions the program's
+            if isinstance(last, JointMove):  # keep the inverse kinematics solution of the program's plan
                 last = replace(last, goal=JointGoal(end))
         job = _job(plan, begin, (*still, last), position, request)
         if isinstance(job, str):
@@ -117,8 +117,8 @@ def _job(
 
 
 def _length(plan: MotionPlan, number: int, position: Array) -> float:
-    """Return the distance that the moving frame has covered in a linear motion when the robot is at
-    `position` [m]; 0 for a joint motion.
+    """Return the distance of the moving frame from the start of a linear motion [m], with the robot at
+    `position`; 0 for a joint motion.
 
     Args:
         plan: the program.

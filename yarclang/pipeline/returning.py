@@ -46,8 +46,9 @@ def along_the_path(
     """Plan and certify a motion along the program's own path to the start of motion `number`, for a robot
     that was stopped while it moved to or from a part.
 
-    The motion goes back along the path of motion `number`, or forward to the end of the previous motion. The
-    parts are where they are during that motion, and the same bodies may touch.
+    The motion goes back along the path of motion `number`, or forward to the end of the previous motion. For
+    the proof, the parts are where the program has them during the motion whose path is followed, and the same
+    bodies may touch as during that motion.
 
     Args:
         plan: the program that was stopped.
@@ -71,8 +72,8 @@ def along_the_path(
 
 
 def can_go_on(plan: MotionPlan, number: int, position: Array) -> bool:
-    """Return True if a motion of the robot to the start of a motion is proved, without hitting parts. Without
-    parts, nothing is checked.
+    """Return True if the robot can be proved to reach the start of a motion without hitting parts. If the
+    cell has no parts, return True without a proof.
 
     Args:
         plan: the program. The parts are assumed to be where it has them at the motion.
@@ -98,10 +99,11 @@ def _is_on_path(plan: MotionPlan, number: int, position: Array) -> bool:
 
 
 def _cells(plan: MotionPlan, number: int, now: Parts | None) -> Iterator[Cell]:
-    """Yield the cell during motion `number`, or nothing.
+    """Yield the cell as it is during motion `number`.
 
-    It is yielded only if this motion goes to or away from a part that is taken or put down, and if the parts
-    that may be touched are where the program has them (`now`; None: assume so).
+    Yield nothing if this motion doesn't lead to or from a part that is taken or put down. Also yield nothing
+    if the parts that may be touched are at other places in `now` than in the program. None for `now` means
+    the places in the program.
     """
     whole, cell, step = followed_plan(plan), plan.program.cell, plan.motions[number].step
     runs = handling_of(plan.robot, cell, plan.program.steps).runs

@@ -40,11 +40,14 @@ from yarclang.runtime.actions import Replanned
 from yarclang.transforms import constant, pose_matrix
 from yarclang.units import DEG, MM
 
+_VISIBLE = 0.001
+"""Least distance that a message states [mm]."""
+
 STEP_MM, STEP_DEG = 0.01, 0.01
 """Units of the registers of an OFFSET [mm, deg]."""
 
 _SAME = 1e-6
-"""Tolerance between the end of the new plan and the program's own place [rad or m]."""
+"""Largest distance of the new plan's end from the position at which the program continues [rad or m]."""
 
 
 def shifted(
@@ -60,7 +63,7 @@ def shifted(
         request: tolerance and longest segment time with which the program was planned.
 
     Returns:
-        A text with the reason instead, if the lines can't be planned and proved.
+        The lines as jobs. If they can't be planned and proved, a text with the reason.
     """
     made = shifted_program(plan, number, position, values, request)
     if isinstance(made, str):
@@ -115,7 +118,7 @@ def around(steps: Sequence[Step], inside: int) -> tuple[int, int]:
 
 
 def numbers_of(values: Sequence[int]) -> Array:
-    """Convert values of registers to x y z [m] and roll pitch yaw [rad] (6,)."""
+    """Convert the values of an OFFSET's registers to a shift (6,): x y z [m] and roll pitch yaw [rad]."""
     x, y, z, turn = values
     return constant(np.array([*(one * STEP_MM * MM for one in (x, y, z)), 0.0, 0.0, turn * STEP_DEG * DEG]))
 
@@ -133,7 +136,7 @@ def carried(steps: Sequence[Step], offset: Offset, values: Sequence[int]) -> tup
 
 
 class _Carrying:
-    """Converter of goals to goals that move with the OFFSET's shifted frame."""
+    """Converter that shifts the goals of motions as an OFFSET shifts its frame."""
 
     def __init__(self, offset: Offset, numbers: Array) -> None:
         self._offset, self._numbers = offset, numbers
@@ -161,7 +164,9 @@ class _Carrying:
         return replace(goal, base_from_moving=placed, told=told, shifted=False)
 
     def _link(self, link: FrameLink) -> FrameLink:
-        """Return a frame in a form in which it moves with the OFFSET's shifted frame."""
+        """Return the declaration of a frame as it is after the shift: in its chain of parents, a frame with
+        the shift as its pose is inserted as the child of the OFFSET's frame.
+        """
         known = self._links.get(id(link))
         if known is None:
             known = link, self._moved(link)
@@ -172,25 +177,25 @@ class _Carrying:
         frame = self._offset.link
         if frame is not None and link.is_same(frame):
             return FrameLink(f"{link.name} SHIFTED", self._own, link, told=self._numbers)
-        assert link.parent is not None, "a shifted goal is given in the frame, or in one that is given in it"
+        assert link.parent is not None, "give a shifted goal in the frame, or in a frame defined in it"
         return replace(link, parent=self._link(link.parent))
 
 
 def _ending(step: Step, leads: Array) -> Step:
-    """Replace the goal of the last joint motion by the joint position at which it ends in the program's own
-    plan, so that it ends in the same inverse kinematics solution.
+    """Replace the goal of a joint motion by the joint position at which this motion ends in the program's
+    plan, so that the inverse kinematics solution doesn't change. Return other steps unchanged.
     """
     return replace(step, goal=JointGoal(leads)) if isinstance(step, JointMove | AvoidMove) else step
 
 
 def _lying(parts: Parts, offset: Offset, own: Array) -> Parts:
-    """Move the parts that lie in the OFFSET's frame and are still where the cell's file has them: they are
-    shifted with the frame. Return all parts.
+    """Return the parts of a cell with some of them shifted: those that are placed in the OFFSET's frame and
+    are still where the cell's file has them.
 
     Args:
         parts: the parts where the program has them.
         offset: the OFFSET.
-        own: (4, 4) shift of the frame in its own axes.
+        own: (4, 4) shift of the OFFSET's frame, in the axes of this frame.
     """
     placed = offset.base_from_frame
     expected = tuple(replace(one, taken=BEFORE) for one in parts.expected)
@@ -199,8 +204,8 @@ def _lying(parts: Parts, offset: Offset, own: Array) -> Parts:
 
 
 def _left_elsewhere(plan: MotionPlan, compiled: Compiled, end: int) -> str:
-    """Return how a part ends up elsewhere than in the program without the shift, as a text; empty if none
-    does.
+    """Describe a part that ends up elsewhere than in the program without the shift. The text is empty if
+    there is no such part.
     """
     after, meant = followed_plan(compiled.plan), parts_before(plan, end)
     if after is None or meant is None or are_same(after.end, meant):
@@ -211,11 +216,14 @@ def _left_elsewhere(plan: MotionPlan, compiled: Compiled, end: int) -> str:
         if other is None or other.gripper != item.gripper:
             return f"the gripper doesn't take or leave {item.name} as it does without the shift"
         if not np.allclose(other.transform, item.transform, rtol=0.0, atol=1e-5):
+            off = np.linalg.norm(item.transform[:3, 3] - other.transform[:3, 3]) / MM
+            away = f"{off:.3f} mm away from" if off >= _VISIBLE else "turned against"
+            way, place = ("left", "place") if item.gripper is None else ("held", "place in the gripper")
             return (
-                f"{item.name} stays where the shift has it, and the lines after the OFFSET are proved with "
-                "it elsewhere"
+                f"{item.name} is {way} {away} its {place} without the shift, but the lines after the OFFSET "
+                "are proved with that place"
             )
-    return "parts are left elsewhere than without the shift"
+    return "parts are left at other places than without the shift"
 
 
 def _message(finding: Diagnostic, steps: Sequence[Step]) -> str:

@@ -25,7 +25,7 @@ NO_TEXTS: Mapping[Path, SourceFile] = {}  # a plain dictionary can be sent to an
 """No open files: all files are read from the disk."""
 
 _REMEDIES = {
-    errno.EFBIG: "if this is no program, check which file was given",
+    errno.EFBIG: "check if this is the intended file: it isn't a program in text form",
     errno.EINVAL: "give a file, or - and the text on standard input",
 }
 _PLAIN_CONTROLS = frozenset(b"\t\n\v\f\r")
@@ -71,7 +71,7 @@ def read_content(path: str, most: int = LARGEST_PROGRAM) -> Result[bytes]:
             content = read_whole(Path(path), most)
     except OSError as error:
         reason = reason_of(error)
-        help_ = _REMEDIES.get(error.errno or 0, "check the path and its rights")
+        help_ = _REMEDIES.get(error.errno or 0, "check the path and its permissions")
         return Result(None, (Diagnostic("Y0107", f"{name_of(path)} can't be read: {reason}", help=help_),))
     return Result(content)
 

@@ -48,7 +48,8 @@ class Request:
     """Settings for compiling a program.
 
     Attributes:
-        start: (n,) [rad or m] position of the robot, which overrides the program's START; None: none.
+        start: (n,) [rad or m] position of the robot, which overrides the program's START; None: the START
+            counts.
         fallback_start: (n,) [rad or m] position of the robot if the program has no START.
         tm: longest segment time to use [ms].
         tolerance: tolerance of the path; None: the robot's.
@@ -62,7 +63,7 @@ class Request:
         enough: number of lines in loops and SUBs after which a quick check stops.
         present: function that returns the program's cell with its parts where they are when it starts; None:
             the parts are where the cell's file has them.
-        avoid_effort: number of paths around obstacles to search for, of which the fastest is taken.
+        avoid_effort: number of paths around obstacles to search for; the fastest of them is used.
     """
 
     robot: Robot
@@ -103,7 +104,7 @@ def check_program(module: Module, request: Request) -> Result[Program]:
 
 
 def context_of(request: Request) -> Context:
-    """Return what the checks need from a request."""
+    """Return the settings of a request that the checks need."""
     return Context(
         request.robot,
         profile_names(),
@@ -120,7 +121,7 @@ def context_of(request: Request) -> Context:
 
 
 def plan_program(program: Program, request: Request) -> Result[MotionPlan]:
-    """Plan a checked program. All segment times are such that the controller accepts them."""
+    """Plan a checked program. Only segment times that the controller accepts are used."""
     settings = _settings(request)
     if settings.value is None:
         return Result(None, settings.diagnostics)
@@ -131,7 +132,9 @@ def plan_program(program: Program, request: Request) -> Result[MotionPlan]:
 
 
 def shown_plan(program: Program, request: Request) -> MotionPlan | None:
-    """Plan as much as possible of a program with errors, for display; None if the settings are wrong."""
+    """Plan as much as possible of a program with errors, for display. Return None if the settings in the
+    request are invalid.
+    """
     settings = _settings(request)
     return None if settings.value is None else plan_in_part(program, request.robot, settings.value)[0]
 
@@ -166,8 +169,8 @@ ENOUGH_MOTIONS = 300
 
 
 def _shortened(program: Program) -> Program:
-    """Return a program with errors in the form in which it is planned: motions in loops and SUBs are replaced
-    by gaps after the first `ENOUGH_MOTIONS`.
+    """Shorten a program with errors, so that planning it doesn't take long: of the motions in loops and SUBs,
+    those after the first `ENOUGH_MOTIONS` are replaced by gaps.
     """
     remaining, steps = ENOUGH_MOTIONS, list[Step]()
     for step in program.steps:
@@ -218,7 +221,7 @@ def certified_whole(planned: MotionPlan, request: Request) -> Result[Compiled]:
 def certified(planned: MotionPlan, request: Request) -> Result[Compiled]:
     """Print a motion plan as controller text, read the text back, and prove it."""
     tolerance = request.tolerance or request.robot.tolerance
-    tell("writing the controller's text", 0)
+    tell("writing the controller text", 0)
     backend = backend_of(planned.robot)
     if request.target and request.target not in backend.targets:
         return Result(None, (_no_target(backend, request.target),))
@@ -228,7 +231,7 @@ def certified(planned: MotionPlan, request: Request) -> Result[Compiled]:
     header = _header(written.value, planned, request)
     tell("certifying: reading the text", 0)
     text = written.value.text(header.lines())
-    # For a long text, this takes as much memory as all data of the proof.
+    # Free this memory: for a long text, it is as much as all data of the proof.
     del written
     judged = proved(text, planned, request)
     if judged.value is None or has_errors(judged.diagnostics):
@@ -314,7 +317,7 @@ def claims_of(planned: MotionPlan) -> Claims:
     return Claims(
         witnesses={motion.step: np.asarray(motion.waypoints) for motion in planned.motions},
         laws={
-            # Lines and arcs of a frame need no laws.
+            # The judge needs no law for motions along lines and arcs.
             motion.step: motion.law
             for motion in planned.motions
             if not isinstance(steps[motion.step], LineMove | ArcMove)

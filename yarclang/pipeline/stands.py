@@ -11,7 +11,7 @@ from yarclang.motion.plan import MotionPlan
 
 
 def stand_before(plan: MotionPlan, number: int) -> int:
-    """Return the number of the last motion up to motion `number` at whose start the robot is at rest."""
+    """Return the number of the last motion that begins at rest: motion `number` itself, or one before it."""
     while number and plan.motions[number - 1].flows:
         number -= 1
     return number
@@ -30,8 +30,7 @@ def title_of(plan: MotionPlan, number: int) -> str:
 
 
 def way_out_from(plan: MotionPlan, way: WayOut, position: Array) -> Program:
-    """Return the way out of an ON as a program of its own, which begins at the robot's position (n,) [rad or
-    m].
+    """Return the way out of an ON as a separate program that begins at the robot's position (n,) [rad or m].
 
     During a way out, the watched inputs only hold the motion; they start no other way out.
     """
@@ -42,8 +41,8 @@ def way_out_from(plan: MotionPlan, way: WayOut, position: Array) -> Program:
 
 
 def unreachable_ways_out(plan: MotionPlan, refused: Callable[[Program], str]) -> Iterator[Diagnostic]:
-    """Plan and prove each way out from each place at which it may begin; yield a finding for each way out
-    that fails from one of these places.
+    """Plan and prove each way out from each place at which it may begin. Yield one finding for each way out
+    that fails from at least one place.
 
     Args:
         plan: the program.
@@ -59,10 +58,8 @@ def unreachable_ways_out(plan: MotionPlan, refused: Callable[[Program], str]) ->
             continue
         number, reason = failed[0]
         more = f", and from {len(failed) - 1} more of {len(stands)} places" if len(failed) > 1 else ""
-        message = (
-            f"{way.name} can't be carried out from where {title_of(plan, number)} begins{more}: {reason}"
-        )
-        help_ = "let it begin with a motion that is free from each of these places, such as MOVEJ_AVOID"
+        message = f"{way.name} can't be executed from the start of {title_of(plan, number)}{more}: {reason}"
+        help_ = "begin it with a motion that is free from each of these places, such as MOVEJ_AVOID"
         yield Diagnostic("Y0479", message, way.origin.source, way.origin.span, help=help_)
 
 

@@ -63,9 +63,9 @@ class TrajectoryLoader:
 
 
 def _refusal(path: str, folder: Path) -> Diagnostic | None:
-    """Return a finding if a path isn't that of a trajectory file beside a program."""
+    """Return a finding unless a path names a trajectory file in the folder `folder` or below it."""
     if not path.lower().endswith(SUFFIX) or not path.isprintable():
-        message = f"{path[-60:]!r} isn't called {SUFFIX}, as files of trajectories are"
+        message = f"{path[-60:]!r} doesn't end in {SUFFIX}, as trajectory files do"
         return Diagnostic("Y1385", message, help='name a CSV file beside the program, for example "path.csv"')
     whole = file_of(folder)
     place = file_of(whole / path)

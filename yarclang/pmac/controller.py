@@ -1,4 +1,4 @@
-"""How a robot is connected to its Turbo PMAC, as described in robot.toml."""
+"""Connection of a robot to its Turbo PMAC, as described in robot.toml."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ NAME = "turbo-pmac"
 
 @frozen
 class TurboPmac:
-    """How a Turbo PMAC moves a robot: the axis, motor and feedback variable of each joint, and settings of
-    the controller.
+    """Connection of a robot to a Turbo PMAC: the axis, motor and feedback variable of each joint, and
+    settings of the controller.
 
     `axes`, `motors` and `feedback` have one entry per joint (motor k is row k of the actuation matrix). Times
     are in s. `ixx08` is the position scale factor, `rotary_words` the minimum size of the rotary buffer, and

@@ -58,8 +58,8 @@ class Rest:
 
 @frozen(eq=False)
 class Stand:
-    """Stop at `point` (axes,) [axis units]. A slow RAPID leads to the point, and moves nothing if the robot
-    is already there; the mode is SPLINE1 again afterwards.
+    """Stop at `point` (axes,) [axis units]. A slow RAPID moves the robot to the point, if it isn't there
+    already. Then the mode is SPLINE1 again.
     """
 
     point: NDArray[np.float64]
@@ -72,7 +72,8 @@ BarrierKind = Literal[
 
 @frozen
 class Barrier:
-    """A place that the program cannot pass without the runtime or the controller's own evaluation.
+    """A place that the program passes only after the runtime has allowed it. In a program buffer, the
+    controller decides this itself.
 
     At a barrier the program waits for an input or the operator; branches divide or join; a loop begins,
     repeats, is left or ends; a register changes; or the program ends.
@@ -107,8 +108,9 @@ Item = SegmentTime | Assignment | Rest | Stand | Barrier | Moves
 class Command:
     """One command of the program, as listed in the map in the text's header.
 
-    `overlap` is the number of segments in which the command flows into the next one, half of them after the
-    end of its own lines; None if it ends at rest. `any_jerk` is True if its motion profile has no jerk limit.
+    `overlap` is the number of segments during which the command flows into the next one; None if it ends at
+    rest. Half of these segments come after the end of the command's own lines. `any_jerk` is True if its
+    motion profile has no jerk limit.
     """
 
     step: int

@@ -35,8 +35,8 @@ MOST_LINES = 1024
 """Maximum number of data bytes of a WRITEBUFFER: lines, each followed by a NUL."""
 
 MOST_LINE = 254
-"""Maximum length of a command line in characters, without its terminator (facts 3: 255 including it, known
-for older controllers).
+"""Maximum length of a command line in characters, without its terminator. Older controllers are known to
+accept 255 characters including the terminator.
 """
 
 CLIENTS = 2

@@ -16,7 +16,7 @@ MOTOR_WORD_1: dict[str, int] = {
     "block request": 11,
     "home search in progress": 10,
 }
-"""The first word of `#n?`, at X:$0000B0 + $80 (n - 1)."""
+"""Names of the bits in the first word of `#n?`, at X:$0000B0 + $80 (n - 1)."""
 
 MOTOR_WORD_2: dict[str, int] = {
     "assigned": 15,
@@ -64,7 +64,7 @@ SYSTEM_WORD_2: dict[str, int] = {
     "pre-jog": 8,
     "segmented": 7,
 }
-"""The second word of `&n??`, at Y:$00203F + $100 (n - 1)."""
+"""Names of the bits in the second word of `&n??`, at Y:$00203F + $100 (n - 1)."""
 
 SYSTEM_WORD_3: dict[str, int] = {
     "radius error": 3,
@@ -72,7 +72,7 @@ SYSTEM_WORD_3: dict[str, int] = {
     "desired position limit stop": 1,
     "in-program PMATCH": 0,
 }
-"""The third word of `&n??`, at Y:$002040 + $100 (n - 1)."""
+"""Names of the bits in the third word of `&n??`, at Y:$002040 + $100 (n - 1)."""
 
 MODE_BITS: dict[str, int] = {
     "LINEAR": 0b000,

@@ -53,8 +53,8 @@ computer falls silent.
 """
 
 ROTARY_FULL = "M8116"
-"""M-variable of the rotary-full bit (word 2, bit 16 of the coordinate system's status): 1 from I17 program
-lines ahead on, 0 below I16.
+"""M-variable of the rotary-full bit (word 2, bit 16 of the coordinate system's status): 1 if at least I17
+program lines are ahead, 0 if fewer than I16 are.
 """
 
 
@@ -113,7 +113,7 @@ def signal_variable(text: str, feedback: Container[str]) -> SignalVariable:
     """
     found = _VARIABLE.fullmatch(text)
     if found is None or int(found[2]) > LARGEST:
-        fault = "is no variable of the controller: M, P or Q and 0 to 8191"
+        fault = "isn't a variable of the controller: M, P or Q and 0 to 8191"
         return SignalVariable(None, fault, "for example M11")
     name = f"{found[1]}{int(found[2])}"
     if _OUR_OWN.fullmatch(name) or name in feedback:
@@ -134,4 +134,4 @@ def _free(letter: str, feedback: Container[str]) -> str:
             stretches.append([number, number])
     told = [f"{letter}{a}" if a == b else f"{letter}{a} to {letter}{b}" for a, b in stretches[:_SHOWN]]
     more = " and more" if len(stretches) > _SHOWN else ""
-    return f"free are {', '.join(told)}{more}"
+    return f"{', '.join(told)}{more} are free"

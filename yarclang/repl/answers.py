@@ -12,11 +12,11 @@ from yarclang.report.pose_text import pose_text
 from yarclang.robot.model import Array, Robot
 
 _TIGHT = 0.005
-"""Shares of a limit that differ by less count as equal."""
+"""Two shares of a limit count as equal if they differ by less than this."""
 
 
 _SAME_TIME = 5e-3
-"""Times that differ by less count as equal in the output [s]."""
+"""Two times count as equal in the output if they differ by less than this [s]."""
 
 
 def offer_text(offer: OfferDescribed) -> str:
@@ -74,7 +74,7 @@ def ended_text(ended: Ended | Finished, robot: Robot) -> str:
     """
     if ended.well:
         return "done"
-    lines = [ended.what or "it didn't come to its end"]
+    lines = [ended.what or "it didn't reach its end"]
     if ended.help:
         lines.append(f"  help: {ended.help}")
     if ended.joints is not None:

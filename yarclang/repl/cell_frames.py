@@ -69,7 +69,7 @@ async def write_into_cell(
         session.say("nothing was written")
         return False
     if read_exactly(path) != old:
-        raise Trouble(f"{path.name} was changed in the meantime", "teach the frame again")
+        raise Trouble(f"{path.name} was changed by another program in the meantime", "teach the frame again")
     write_exactly(path, made.text)
-    session.say(f"{path.name} is written; the next motion keeps to it")
+    session.say(f"{path.name} is written; it applies from the next motion on")
     return True

@@ -29,7 +29,7 @@ _REDRAWN_EACH = 0.1
 """Time between two updates of the prompt and the bottom line [s]."""
 
 _LOOKED_EACH = 0.01
-"""Time after which it is checked again whether the next line of standard input may run [s]."""
+"""Time between two checks of whether the next line of standard input may run [s]."""
 
 _NAMES = {
     "c-m": "enter",
@@ -41,7 +41,7 @@ _NAMES = {
     "left": "left",
     "right": "right",
 }
-"""Keys of a jog besides characters: prompt_toolkit's names, and the names that the jog uses."""
+"""Keys that a jog uses besides characters: the jog's name of each, by prompt_toolkit's name."""
 
 _ENDING = (signal.SIGTERM, signal.SIGHUP)
 
@@ -53,7 +53,8 @@ def history_file() -> Path:
 
 
 async def converse(interpreter: Interpreter, *, terminal: bool) -> None:
-    """Read and carry out what the user types until the user leaves, or standard input up to its end.
+    """Read texts and carry them out: from the terminal until the user leaves, or from standard input up to
+    its end.
 
     Args:
         interpreter: the session, which carries out the typed texts.
@@ -82,7 +83,7 @@ async def _hear(events: Subscription, interpreter: Interpreter) -> None:
     async for event in events:
         interpreter.hear(event)
     if not interpreter.ended:
-        interpreter.refuse("whoever owned the robot has ended: look at the robot")
+        interpreter.refuse("the session that owned the robot has ended: check the robot")
         interpreter.leave()
 
 
@@ -116,7 +117,7 @@ def prompt_session(
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         history: FileHistory | InMemoryHistory = FileHistory(str(path))
-    except OSError:  # a home that can't be written must not prevent work
+    except OSError:  # without a writable home folder, the history is only kept in memory
         history = InMemoryHistory()
     session: PromptSession[str] = PromptSession(
         message=lambda: interpreter.prompt,

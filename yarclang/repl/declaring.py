@@ -1,5 +1,5 @@
-"""Declare a position or pose taken from the robot, in the session and in the loaded file. It replaces an
-older declaration of the same name.
+"""Declare a position or pose of the robot under a name, in the session and in the loaded file. An older
+declaration of the name is replaced.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ async def adopt(session: Session, declarations: tuple[str, ...]) -> bool:
 
 
 def _in_file(session: Session, name: str, is_frame: bool, line: str) -> None:
-    """Change the declaration in the loaded file, if the file contains the name."""
+    """Change the declaration of a name in the loaded file, if the file declares the name."""
     file = session.file
     if file is None:
         return

@@ -21,13 +21,13 @@ Complete = Callable[[Session, str], Iterable[str]]
 """Function that returns completions of the text after the command's name."""
 
 
-class Misused(Exception):  # noqa: N818 - something a person did, and no failure
+class Misused(Exception):  # noqa: N818 - a mistake of the user, not a failure
     """The text after a dot command isn't allowed. The message has the reason."""
 
 
 @dataclass(frozen=True, slots=True)
 class DotCommand:
-    """A command for the terminal itself, which begins with a dot, such as `.stop`.
+    """A command for the terminal itself. Its name begins with a dot: `.stop`.
 
     Attributes:
         name: name with the dot.
@@ -61,7 +61,7 @@ def dot_commands() -> Mapping[str, DotCommand]:
     """Return all dot commands by name, in the order of `.help`.
 
     Raises:
-        NamedTwice: two commands have one name.
+        NamedTwice: two commands have the same name.
     """
     from yarclang.repl import dots
 

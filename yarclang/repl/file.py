@@ -35,7 +35,7 @@ class LoadedFile:
 
 
 def load_file(path: Path, robot: Robot, stands: Array, cell: str | None) -> Result[LoadedFile]:
-    """Read and check a program.
+    """Read and check a program. Its motions aren't planned.
 
     Args:
         path: the file.
@@ -44,7 +44,7 @@ def load_file(path: Path, robot: Robot, stands: Array, cell: str | None) -> Resu
         cell: path of the cell.toml of session and program.
 
     Returns:
-        None, with findings, if an error prevents its use. Motions aren't planned.
+        The loaded program; None, with findings, if an error prevents its use.
     """
     opened = open_here(Source(str(path), options=Options(robot=str(robot.folder), cell=cell)), stands)
     if opened.value is None:

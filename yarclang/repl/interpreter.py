@@ -1,5 +1,6 @@
-"""Carry out typed texts in their order: commands of the language are planned by the coordinator, which offers
-them for a start, and dot commands are in `dots/`.
+"""Carry out typed texts in their order: dot commands (in `dots/`), and lines of the language.
+
+The coordinator plans the motions of typed lines, and starts them when the session sends `go`.
 """
 
 from __future__ import annotations
@@ -18,8 +19,8 @@ from yarclang.subjects import suggest
 class Interpreter(Session):
     """A user's session, with the functions that carry out typed texts.
 
-    Texts are carried out one after the other, in the order in which they were typed. Orders (`.stop`,
-    `.hold`, ...) are carried out before all others.
+    Texts are carried out one after the other, in the order in which they were typed. Only orders (`.stop`,
+    `.hold`, ...) are carried out before texts that were typed earlier.
     """
 
     def typed(self, text: str) -> None:
@@ -111,13 +112,11 @@ class Interpreter(Session):
         except Misused as misused:
             self.refuse(f"{misused}\n  it is written: {command.line}")
 
-    # Functions for the dot commands.
-
 
 def bug_text(error: Exception) -> str:
     """Return the text about a bug in this software, with the address for reports."""
     place = traceback.extract_tb(error.__traceback__)[-1]
     return (
-        f"a bug of yarclang has ended this: {error!r}\n  help: report it, with this place: "
+        f"a bug of yarclang has ended this command: {error!r}\n  help: report it, with this place: "
         f"{place.filename}:{place.lineno} in {place.name}"
     )

@@ -26,7 +26,7 @@ _LEAVING = ("enter", "escape", "q", "c-d")
 _FASTER, _SLOWER = ("up", "down")
 _STEP = 1.25
 _SLOWEST = 0.01
-"""Slowest speed, as a share of the fastest."""
+"""Slowest speed of a jog, as a share of the fastest speed."""
 
 AXES = "xyzabc"
 """Axes of a tool: x, y, z are translations, and a, b, c are rotations about these axes."""
@@ -35,7 +35,7 @@ _FAST_TURN = 30.0 * DEG
 """Largest angular speed of a jog about an axis [rad/s]."""
 
 _START = 0.1
-"""Speed at the beginning, as a share of the fastest."""
+"""Speed with which a jog begins, as a share of the fastest speed. The user can change it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +43,8 @@ class Axis:
     """A joint, or an axis of the tool frame, that a key moves.
 
     Attributes:
-        kind: a joint of the robot, or an axis of the tool in the directions of {B} or of the tool itself.
+        kind: `joint` for a joint of the robot; `base` or `tool` for an axis of the tool frame, in the
+            directions of {B} or of the tool itself.
         number: number of the joint, or place in `AXES`, from 0.
     """
 
@@ -100,7 +101,7 @@ class Jogging:
             self.axis = Axis("base" if self.axis.kind == "tool" else "tool", self.axis.number)
 
     def moves(self, now: float) -> bool:
-        """Return True if a key is pressed at a time [s]."""
+        """Return True if a key counts as pressed at a time [s]."""
         return now - self._since < HELD
 
     def want(self, now: float) -> wants.MoveJoints | wants.MoveTool:
@@ -157,6 +158,6 @@ def axis_of(robot: Robot, words: list[str]) -> tuple[Axis, int, str]:
         if letter in AXES and len(letter) == 1 and rest[1:] in ([], ["tool"], ["base"]):
             return Axis(kind, AXES.index(letter)), sign, what
     raise Trouble(
-        "what is jogged is a joint, as J3 +, or a frame along or about an axis, as {TCP} +x",
+        ".jog takes a joint, as J3 +, or a frame and an axis, as {TCP} +x",
         f"the joints are {listed_joints(robot.joint_names)}",
     )

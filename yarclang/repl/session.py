@@ -1,5 +1,5 @@
-"""The session of one user: its declarations, questions and orders, and the robot's messages. This needs no
-terminal.
+"""The session of one user: its declarations, questions and orders, and the robot's messages. This module
+needs no terminal.
 """
 
 from __future__ import annotations
@@ -114,7 +114,7 @@ class Session:
 
     @property
     def prompt(self) -> str:
-        """Return the prompt; if a question is open, this is the question."""
+        """Return the text at which the user types: the jog, the open question, or the usual prompt."""
         if self.jogging is not None:
             return f"{self.jogging.text} "
         return self._asked if self._question is not None else PROMPT
@@ -257,7 +257,7 @@ class Session:
         if moved or not ended.well:
             self.say(ended_text(ended, self.robot))
         else:
-            self.say("it holds from now on")
+            self.say("it is valid from now on")
         return ended.well
 
     def _told(self, made: Offered) -> OfferDescribed | None:
@@ -306,7 +306,7 @@ class Session:
         return Names(self.lines, self.planner)
 
     def scope(self) -> Scope:
-        """Return the meanings of all names."""
+        """Return the meanings of all names that a typed line may use."""
         return self.names.scope()
 
     # Events.
@@ -323,7 +323,7 @@ class Session:
             )
         elif isinstance(event, OwnerChanged):
             self._keep(
-                f"{event.owner} owns the robot" if event.owner else "nobody owns the robot",
+                f"{event.owner} owns the robot" if event.owner else "the robot has no owner",
                 tell=event.owner != self.attached.welcome.name,
             )
         elif isinstance(event, OutputSet | WaitEnded | InputChanged):

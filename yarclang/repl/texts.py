@@ -32,5 +32,5 @@ def write_exactly(path: Path, text: str) -> None:
         replace_file(path, text.encode("utf-8"))
     except OSError as error:
         raise Trouble(
-            f"{path} can't be written: {reason_of(error)}", "look at its rights, and at the disk"
+            f"{path} can't be written: {reason_of(error)}", "check the access rights and the disk"
         ) from None

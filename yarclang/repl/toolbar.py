@@ -1,4 +1,4 @@
-"""The line at the bottom of the terminal: the robot's state and position."""
+"""The two lines at the bottom of the terminal: the robot's state and position."""
 
 from __future__ import annotations
 
@@ -82,10 +82,10 @@ def _number(value: float, digits: int) -> str:
 
 
 def _fitting(choices: list[list[str]], width: int) -> str:
-    """Return the first of several texts of a line that fits the width completely.
+    """Return the first of several forms of a line that fits the width.
 
-    If there is none, return as many fields of the last text as fit. Numbers aren't cut, since half a number
-    would be a wrong number.
+    If none fits, return as many fields of the last form as fit. Numbers aren't cut, since half a number would
+    be a wrong number.
     """
     for parts in choices:
         line = f" {' | '.join(parts)}" if parts else ""

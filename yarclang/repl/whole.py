@@ -1,5 +1,5 @@
-"""Check that a typed text is complete: each block has its END, and each list of way-points its last
-way-point.
+"""Check that a typed text is complete: each block has its END, and each list of waypoints its last
+waypoint.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from yarclang.syntax.words import BLOCK_ENDS, opens_block
 
 
 def is_whole(text: str) -> bool:
-    """Return True if a typed text is complete: no block or list of way-points needs a further line."""
+    """Return True if a typed text is complete: no block or list of waypoints needs a further line."""
     if text.lstrip().startswith("."):
         return True
     source = SourceFile("<line>", text)

@@ -1,5 +1,5 @@
-"""Follow the parts of a cell through a program, for display: where they are from each step on, and what each
-SET of a gripper does to them.
+"""Compute, for display, where the parts of a cell are at each step of a program, and what each SET of a
+gripper does to them.
 """
 
 from __future__ import annotations
@@ -23,7 +23,8 @@ from yarclang.robot.model import Array, Robot
 
 @frozen(eq=False)
 class State:
-    """Where the parts of a cell are from the beginning of a step on.
+    """The places of a cell's parts at the beginning of a step. These places hold until the step of the next
+    state.
 
     Attributes:
         step: number of the step; -1 before the program.
@@ -42,7 +43,7 @@ class State:
 
 @frozen(eq=False)
 class Carried:
-    """How the parts of a cell move in a program.
+    """The places of a cell's parts throughout a program, and the actions that change them.
 
     Attributes:
         handling: the program's steps, with the grippers and parts of its cell.
@@ -80,7 +81,7 @@ def carried_parts(
     """Follow the parts of a cell through a program.
 
     Args:
-        robot: robot whose flange carries them.
+        robot: robot whose flange carries the parts.
         program: the program, with its cell.
         start: (n,) joint positions at the start [rad or m].
         ends: (n,) end of each motion [rad or m], by its step; motions that can't be planned are missing.
@@ -102,9 +103,9 @@ def carried_parts(
 
 
 def _touching(states: list[State], followed: Followed) -> tuple[State, ...]:
-    """Add to each state the pairs of bodies that may touch. For motions, these are the pairs in the
-    certificate. For states at rest, they are those of a neighbouring motion with no action of a gripper in
-    between.
+    """Add to each state the pairs of bodies that may touch. For a motion, these are the pairs in its
+    certificate. For a state at rest, these are the pairs of the previous motion or, if a gripper acts between
+    that motion and the state, of the next motion.
     """
     motions = {step: _may_touch(cell) for step, cell in followed.cells.items()}
     states_found: list[State] = []
@@ -129,8 +130,8 @@ def _may_touch(cell: Cell | None) -> _MayTouch:
 def _beside(
     states: list[State], at: int, motions: Mapping[int, _MayTouch], grasps: Mapping[int, Grasp]
 ) -> _MayTouch:
-    """Return the pairs of bodies that may touch while the robot rests: those of the previous motion. If a
-    gripper has taken or put down a part since that motion, they are those of the next motion.
+    """Return the pairs of bodies that may touch while the robot rests: the pairs of the previous motion, or
+    of the next motion if a gripper has taken or put down a part since the previous one.
     """
     for later in range(at, -1, -1):
         if states[later].is_motion:
@@ -160,7 +161,7 @@ def _is_needed(program: Program) -> bool:
 
 
 def end_of(curve: Curve) -> Array:
-    """Return the end of a curve (n,) [rad or m]."""
+    """Return the joint position at the end of a curve (n,) [rad or m]."""
     end: Array = curve.sample(np.array([curve.duration]))[0][0]
     return end
 
@@ -171,7 +172,7 @@ def carried_in_text(
     """Follow the parts of a cell through a controller text.
 
     Args:
-        does: execution of the text.
+        does: the actions of the text.
         program: program from which the text was compiled; None if unknown.
         left_out: steps of the program that aren't executed, as for `carried_parts`.
 
@@ -190,7 +191,7 @@ def begins_in_text(does: Executed, steps: int, *, counts_dwells: bool = True) ->
     lines.
 
     Args:
-        does: execution of the text.
+        does: the actions of the text.
         steps: number of the program's steps.
         counts_dwells: True if dwells take time.
     """

@@ -1,6 +1,6 @@
-"""Write certificates as JSON, command by command, since the whole wouldn't fit into memory.
+"""Write certificates as JSON, command by command, since a whole certificate wouldn't fit into memory.
 
-A certificate of 100,000 commands has 170 MB as JSON, and ten times as much as plain data in memory.
+A certificate of 100,000 commands takes 170 MB as JSON, and ten times as much as plain data in memory.
 """
 
 from __future__ import annotations

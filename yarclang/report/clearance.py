@@ -13,7 +13,7 @@ from yarclang.frozen import frozen
 from yarclang.robot.model import Array
 
 SEEN = 0.2
-"""Largest distance that is computed exactly [m]."""
+"""Largest distance that is computed exactly [m]. Larger distances are given as this value."""
 _BLOCK = 256
 
 
@@ -23,9 +23,9 @@ class Near:
 
     Attributes:
         apart: (P,) smallest distance of two bodies, at most `SEEN` [m].
-        pair: (P,) number of the pair with this distance, -1 for none.
+        pair: (P,) number of the pair of bodies with this distance; -1 if the distance isn't below `SEEN`.
         closest: (P,) smallest difference of a pair's distance and its margin, at most `SEEN` [m].
-        worst: (P,) number of the pair with this difference, -1 for none.
+        worst: (P,) number of the pair with this difference; -1 if the difference isn't below `SEEN`.
     """
 
     apart: Array
@@ -53,7 +53,7 @@ def _near(scene: Scene, q: Array) -> Near:
     relative_poses = relative(placed, at, pair)
     bound = box_gaps(scene, pair, relative_poses).reshape(count, size)
     if size:
-        # First compute the most promising pair of each position: its distance rules out most of the others.
+        # First compute the most promising pair of each position: its distance rules out most other pairs.
         first = np.arange(count) * size + bound.argmin(axis=1)
         rows = first[bound.ravel()[first] < SEEN]
         gap.ravel()[rows] = distances(scene, pair[rows], relative_poses.take(rows))
@@ -74,7 +74,9 @@ def _least(gap: Array, margin: Array) -> tuple[Array, Rows]:
 
 
 def touching(scene: Scene, q: Array) -> frozenset[str]:
-    """Return the bodies that are nearer to another body than their margin at the joint position `q` (n,)."""
+    """Return the names of the bodies that are nearer than the margin to another body at joint position `q`
+    (n,).
+    """
     size = len(scene.pairs.first)
     if not size:
         return frozenset()

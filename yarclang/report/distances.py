@@ -33,8 +33,8 @@ def distance_text(clearance: Clearance) -> str:
 
 
 def when_text(clearance: Clearance, word: str = "") -> str:
-    """Return in words, after `word`, the time from a command's start at which bodies are nearest; empty if
-    unknown.
+    """Return the time from a command's start at which bodies are nearest, in words and preceded by `word`;
+    empty if the time is unknown.
     """
     return "" if clearance.at is None else f"{word} at {clearance.at:.3f} s"
 

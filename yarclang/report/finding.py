@@ -16,7 +16,7 @@ _WIDEST = 150
 
 def finding_text(diagnostic: Diagnostic) -> str:
     """Return a finding as text for people: file:line:column, severity, code and message; then the source line
-    with carets, the line of the called module, and the remedy.
+    with carets, the line of a called module that causes the finding, and the remedy.
     """
     place = ""
     if diagnostic.source is not None:
@@ -83,7 +83,7 @@ def finding_json(diagnostic: Diagnostic) -> dict[str, Any]:
 
 
 def _within_json(within: Within) -> dict[str, Any]:
-    """Return where in a module the cause of a finding is, as plain data. For an installed module there is no
+    """Return the place in a module that causes a finding, as plain data. For an installed module there is no
     file, because users don't edit it.
     """
     span, source = within.span, within.source
@@ -117,8 +117,8 @@ def _fix_json(fix: Fix | None) -> dict[str, Any] | None:
 
 
 def told_text(diagnostic: Diagnostic) -> str:
-    """Return a finding as text for editors and other programs: the message, the line of the called module,
-    the remedy.
+    """Return a finding as text for editors and other programs: the message, the line of a called module that
+    causes the finding, and the remedy.
     """
     within = diagnostic.within.text if diagnostic.within is not None else ""
     return "\n".join(part for part in (diagnostic.message, within, diagnostic.help) if part)

@@ -12,7 +12,7 @@ _READS = {
     "Certificate": "the certificate",
 }
 _FILES = {"11": "text", "13": "toml", "14": "text", "15": "text", "16": "text"}
-"""Languages of the examples in families whose examples aren't programs."""
+"""Languages of the examples in families of findings whose examples aren't programs."""
 
 
 def findings_page(introduction: str) -> str:

@@ -55,9 +55,8 @@ def held_rules(plan: MotionPlan) -> tuple[HeldRule, ...]:
     """Return the rules that a plan's motions keep, with the times at which they are in force: first those of
     the cell, then those of the program in the order in which they begin.
 
-    A rule is in force from the start of its first motion to the end of its last one, except during motions
-    between them to which it doesn't apply. It also counts as in force between two successive motions of its
-    own, since the robot is at rest there.
+    A rule is in force during each motion to which it applies. It is also in force during the rest between two
+    successive motions to which it applies.
     """
     cell = plan.program.cell
     of_cell = () if cell is None else cell.rules

@@ -1,8 +1,8 @@
 """Build the reference of a module of the robot language from its comments.
 
 The comment at the top of the file describes the module. The comment directly above a SUB describes the SUB.
-Indented lines in this comment describe one parameter each. They begin with the parameter's name and unit as
-in the SUB's head, followed by two blanks. An indented line that begins with CALL is an example:
+In the comment of a SUB, each indented line describes one parameter. It begins with the parameter's name and
+unit as in the SUB's head, followed by two blanks. An indented line that begins with CALL is an example:
 
     ! Retracts straight along the tool's z axis.
     !   {TOOL}  tool that is moved
@@ -40,7 +40,7 @@ class ParameterText:
 
     @property
     def word(self) -> str:
-        """Return the name without braces and unit, as it is written before an argument."""
+        """Return the name without braces and unit, as a CALL writes it before the argument."""
         return self.name.partition(" (")[0].strip("{}")
 
     @property
@@ -58,7 +58,7 @@ class SubText:
         name: name of the SUB.
         purpose: text of its comment.
         parameters: parameters in its first line, in order.
-        strangers: parameters that only the comment has.
+        strangers: names that the comment describes as parameters, but that aren't parameters of the SUB.
         example: a call.
     """
 
@@ -70,7 +70,7 @@ class SubText:
 
     @property
     def head(self) -> str:
-        """Name and parameters as in the text."""
+        """Name and parameters, as in the SUB's first line."""
         return " ".join((self.name, *(one.written for one in self.parameters)))
 
 
@@ -112,7 +112,7 @@ class ModuleText:
 
     @property
     def title(self) -> str:
-        """The first sentence."""
+        """First sentence of the module's description; empty without one."""
         return re.split(r"(?<=\.)\s", self.paragraphs[0], maxsplit=1)[0] if self.paragraphs else ""
 
 
@@ -153,7 +153,7 @@ def module_listing(modules: list[ModuleText]) -> str:
 
 
 def module_plain(module: ModuleText) -> str:
-    """Return the reference for a terminal."""
+    """Return the reference of a module as plain text for a terminal."""
     lines = [module.name, ""]
     for paragraph in module.paragraphs:
         lines += [*_wrapped(paragraph, "  "), ""]
@@ -172,7 +172,7 @@ def module_plain(module: ModuleText) -> str:
 
 
 def module_markdown(module: ModuleText) -> str:
-    """Return the reference as Markdown."""
+    """Return the reference of a module as Markdown."""
     lines = [f"# {module.name}", ""]
     for paragraph in module.paragraphs:
         lines += [_marked(paragraph), ""]

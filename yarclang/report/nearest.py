@@ -29,7 +29,9 @@ MOST = 10
 """Largest number of places that are shown."""
 
 _MORE, _LESS = 1.0 + 1e-15, 1.0 - 1e-15
-"""Bounds on the relative error of products of shares and limits, which are rounded three times."""
+"""Factors that make a printed number slightly worse, so that the rounding errors of its computation (three
+roundings) can't make it look better than the proved value.
+"""
 
 
 @frozen
@@ -63,7 +65,7 @@ def source_command(command: CommandCertificate) -> tuple[str, int, str]:
 
 def nearest_places(certificate: Certificate, robot: Robot, cell: Cell | None) -> tuple[Nearest, ...]:
     """Return the commands that come nearest to their limits, sorted: the nearest one for each measured
-    quantity and, if there is room, further ones.
+    quantity and, if there is room, further commands.
 
     A line of the source that is executed several times is listed once for a quantity, with its worst value.
 
@@ -95,12 +97,12 @@ def nearest_places(certificate: Certificate, robot: Robot, cell: Cell | None) ->
 
 
 _MANY = 4_096
-"""Number of places after which those that can't be among the nearest are dropped."""
+"""If there are more candidates than this, those that can't be among the nearest are dropped."""
 
 
 def _foremost(worst: dict[tuple[str, int, str, str], _Found]) -> dict[tuple[str, int, str, str], _Found]:
-    """Keep only the nearest candidates for each measured quantity, as many as could be listed, in the order
-    in which they were found.
+    """Drop candidates that can't be in the list: keep only the nearest ones of each measured quantity, in the
+    order in which they were found.
     """
     by_quantity: dict[str, list[tuple[str, int, str, str]]] = {}
     for key in worst:
@@ -126,7 +128,7 @@ class _Found(NamedTuple):
     values: tuple[Any, ...]
 
     def told(self) -> Nearest:
-        """Return the place with its figure."""
+        """Return the candidate as a `Nearest`, with its value in words."""
         return Nearest(self.command, self.what, self.words(*self.values), self.share, self.rank)
 
 
@@ -229,7 +231,7 @@ def _distance(near: Clearance, margin: float) -> str:
 def _scale(
     names: Sequence[str], limits: Iterable[float], units: Sequence[str], per: str
 ) -> dict[str, tuple[float, str]]:
-    """Return the limit of each joint or motor, with its unit."""
+    """Return the limit of each joint or motor and its unit, by the name of the joint or motor."""
     return {
         name: (float(limit), f"{unit}{per}") for name, limit, unit in zip(names, limits, units, strict=False)
     }

@@ -11,9 +11,9 @@ from yarclang.collision.geometry import UnreadableError, load_mesh
 from yarclang.shapes import Array, Box, Capsule, Cylinder, Mesh, Shape, Sphere
 
 AROUND = 32
-"""Number of corners of a circle."""
+"""Number of corners of the polygon that replaces a circle."""
 _RINGS = 8
-"""Number of rings of a half sphere."""
+"""Number of rings of triangles of a half sphere."""
 _MOST_TRIANGLES = 40_000
 """Largest number of triangles of a mesh that is drawn. A picture needs no more, and a browser can't draw more
 30 times a second.

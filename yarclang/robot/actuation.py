@@ -11,7 +11,8 @@ from yarclang.robot.model import Array, Robot
 
 @lru_cache(maxsize=64)
 def counts_per_joint(robot: Robot) -> Array:
-    """Return the matrix that converts joint positions in SI to motor counts: K J, in counts per rad or m.
+    """Return the matrix that converts joint positions [rad or m] to motor counts: the product of the gear
+    ratios and the coupling matrix of the robot's `Actuation`, in SI instead of axis units.
 
     Returns:
         (n, n), read-only: entry (i, j) is the change of motor i [counts] per rad (or m) of joint j.
@@ -24,9 +25,7 @@ def counts_per_joint(robot: Robot) -> Array:
 
 @lru_cache(maxsize=64)
 def joints_per_count(robot: Robot) -> Array:
-    """Return the inverse of `counts_per_joint` as (n, n) [rad or m per count], read-only. It is computed from
-    the same matrix.
-    """
+    """Return the inverse of the matrix `counts_per_joint`, as (n, n) [rad or m per count], read-only."""
     inverse = np.linalg.inv(counts_per_joint(robot)).astype(np.float64)
     inverse.setflags(write=False)
     return inverse

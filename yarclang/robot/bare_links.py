@@ -1,5 +1,6 @@
-"""Find joints that move no link with a collision shape. The collision check can't see what these joints move.
-The warnings are shown when a robot is made and when it is checked, not when a program is compiled.
+"""Find joints whose motion the collision check can't see: the link that such a joint moves, with all links
+rigidly attached to it, has no collision shape. The warnings are shown when a robot is made and when it is
+checked, not when a program is compiled.
 """
 
 from __future__ import annotations
@@ -12,8 +13,8 @@ from yarclang.source import SourceFile
 
 
 def bare_links(robot: Robot) -> tuple[Diagnostic, ...]:
-    """Return a warning for each joint that moves no link with a collision shape. A robot that wasn't read
-    from files gets no warnings.
+    """Return a warning for each joint whose link has no collision shape; links rigidly attached to this link
+    count as its parts. A robot that wasn't read from files gets no warnings.
     """
     if robot.written is None:
         return ()

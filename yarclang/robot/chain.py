@@ -1,5 +1,5 @@
-"""Find the arm in a URDF: the chain of joints from the base link to the flange link, and these joints as
-screws (by Pinocchio).
+"""Find the arm in a URDF: the chain of joints from the base link to the flange link. Compute the screws of
+these joints with Pinocchio.
 """
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ def joints_between(urdf: Urdf, base: str, flange: str) -> tuple[Joint, ...] | No
 
 
 def check_chain(urdf: Urdf, joints: Sequence[Joint], ignored: Collection[str] = ()) -> bool:
-    """Report joints of the arm's chain that no motor can move, and moving joints outside of the chain that
-    robot.toml doesn't list as ignored.
+    """Report joints of the arm's chain that no motor can move. Report also moving joints outside of the chain
+    that robot.toml doesn't list as ignored.
 
     Args:
         urdf: the URDF, which collects the findings.
@@ -43,7 +43,7 @@ def check_chain(urdf: Urdf, joints: Sequence[Joint], ignored: Collection[str] = 
         ignored: names of the moving joints that robot.toml ignores.
 
     Returns:
-        True if all joints of the chain have types that an arm's joints can have.
+        True if every joint of the chain has a supported type: revolute, continuous, prismatic or fixed.
     """
     inside = {joint.name for joint in joints}
     sound = True
@@ -51,7 +51,7 @@ def check_chain(urdf: Urdf, joints: Sequence[Joint], ignored: Collection[str] = 
     for joint in joints:
         mimic = mimic_of(joint, every)
         if joint.kind in UNARMED:
-            message = f"Joint {joint.name} is {joint.kind}, which an arm's joint can't be."
+            message = f"Joint {joint.name} is {joint.kind}, a type that an arm's joint can't have."
             urdf.say("Y1351", message, _TYPES, joint.element, "type")
             sound = False
         elif mimic is not None:
@@ -61,7 +61,7 @@ def check_chain(urdf: Urdf, joints: Sequence[Joint], ignored: Collection[str] = 
     for joint in urdf.joints.values():
         if joint.kind != "fixed" and joint.name not in inside and joint.name not in ignored:
             message = f"Joint {joint.name} is {joint.kind}, but isn't between the base and the flange."
-            remedy = f'Put "{joint.name}" into ignored_joints of robot.toml: it then counts as standing at 0.'
+            remedy = f'Put "{joint.name}" into ignored_joints of robot.toml: its position is then taken as 0.'
             urdf.say("Y1354", message, remedy, joint.element)
     return sound
 
@@ -70,7 +70,8 @@ _TYPES = "Use revolute, continuous, prismatic or fixed."
 
 
 def check_bodies(urdf: Urdf, joints: Sequence[Joint], shapes: Mapping[str, Sequence[str]]) -> None:
-    """Report moving joints that move no link with a collision shape.
+    """Report moving joints whose link has no collision shape. Links rigidly attached to this link count as
+    its parts.
 
     Args:
         urdf: the URDF, which collects the findings.
@@ -84,7 +85,7 @@ def check_bodies(urdf: Urdf, joints: Sequence[Joint], shapes: Mapping[str, Seque
         if joint.kind not in MOVING:
             continue
         body, todo = [], [joint.child]
-        while todo:  # collect the links that fixed joints join to the joint's child
+        while todo:  # collect all links that are rigidly attached to the joint's child link
             body.append(todo.pop())
             todo += [other.child for other in below.get(body[-1], []) if other.kind == "fixed"]
         if not any(shapes.get(link) for link in body):
@@ -94,11 +95,12 @@ def check_bodies(urdf: Urdf, joints: Sequence[Joint], shapes: Mapping[str, Seque
 
 
 def find_links(urdf: Urdf, names: dict[str, str]) -> list[tuple[str, str, str, Name]]:
-    """Return a finding (key, message, help, subject) for each link that robot.toml names but the URDF lacks.
+    """Return a finding (key, message, help, subject) for each link name of robot.toml that the URDF doesn't
+    contain.
 
     Args:
         urdf: the URDF.
-        names: the link name of each key of robot.toml whose value is a link.
+        names: for each key of robot.toml whose value is a link name, this name.
     """
     return [
         (key, f"{key} is the link {link[:40]}, which the URDF doesn't have.", *did_you_mean(link, urdf.links))
@@ -121,7 +123,7 @@ def screws(urdf: Urdf, base: str, flange: str, joints: Sequence[Joint]) -> Chain
 
     try:
         model = pin.buildModelFromXML(urdf.text)
-    except Exception as error:  # Boost's exceptions have several types
+    except Exception as error:  # Boost raises errors of several types
         root = urdf.root or Element("", {}, 0, 0)
         message = f"Pinocchio can't read the URDF: {str(error)[:200].rstrip('.')}."
         urdf.say("Y1360", message, "What it prints on the terminal names the element.", root)

@@ -23,7 +23,9 @@ if TYPE_CHECKING:
 
 MOST_JOINTS = 9
 RESERVED = ("B", "FLANGE")
-"""The ends of the chain, which are frames of every robot."""
+"""Names of the frames at both ends of every robot's chain, base and flange. No other frame may have these
+names.
+"""
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _INDEX = re.compile(r"[Pp]\d+")
 
@@ -48,8 +50,10 @@ def check_table(file: TomlFile, draft: RobotDraft, chain: Sequence[Joint] | None
 
 
 def _likely_size(draft: RobotDraft, tables: int) -> int:
-    """Return the probable number of joints of a robot.toml whose URDF has errors: the length that occurs most
-    often among the lists with one entry for each joint.
+    """Return the probable number of joints of a robot.toml whose URDF has errors.
+
+    Several lists of robot.toml have one entry for each joint. The result is the most frequent length of these
+    lists.
     """
     actuation, motors, controller = draft.table.actuation, draft.table.motors, draft.table.controller
     lists: list[Sequence[object] | None] = []
@@ -64,7 +68,8 @@ def _check_joints(file: TomlFile, draft: RobotDraft, chain: Sequence[Joint] | No
     """Check the tables [joints.NAME] of robot.toml.
 
     Returns:
-        The joints' names in the order of the kinematic chain; None if the order isn't known.
+        The joints' names: in the order of the kinematic chain, or in the order of the tables if the chain
+        isn't known. None if neither the chain nor the tables can be read.
     """
     tables: Mapping[str, JointTable] = draft.table.joints or {}
     kinds = {joint.name: joint.kind for joint in chain or ()}
@@ -89,8 +94,8 @@ def _check_joints(file: TomlFile, draft: RobotDraft, chain: Sequence[Joint] | No
         if subject.meant in missing:
             missing.remove(subject.meant)
         elif len(missing) == 1 and len(listed) == len(names):
-            remedy, subject = f"The joint without a table is {missing.pop()}.", Name(name)
-        message = f"[joints.{name}] is no joint between the base and the flange of the URDF."
+            remedy, subject = f"Rename it: the joint without a table is {missing.pop()}.", Name(name)
+        message = f"[joints.{name}] isn't a joint between the base and the flange of the URDF."
         file.say("Y1313", ("joints", name), message, remedy, subject, at_key=True)
     for name in missing:
         message = f"Joint {name} of the URDF has no table [joints.{name}]."
@@ -153,7 +158,9 @@ def _check_positions(
 
 
 def _check_names(file: TomlFile, draft: RobotDraft) -> None:
-    """Check the names that programs and messages use: of the robot, its frames, tools and positions."""
+    """Check the names that programs and messages use: those of the robot, its frames, its tools and its
+    positions.
+    """
     named: list[tuple[Path, str, str]] = []
     if draft.table.name is not None:
         named.append((("name",), draft.table.name, "robot"))
@@ -171,14 +178,17 @@ def _check_names(file: TomlFile, draft: RobotDraft) -> None:
             message = f"The frame {name} can't be declared: every robot has it from its chain."
             file.say("Y1310", path, message, "Give the frame another name, for example TCP.", at_key=True)
         elif key in first:
-            message = f"The {kind} {name} is there already as {first[key]}: names are read in any case."
+            message = (
+                f"The {kind} {name} is already declared as {first[key]}: names are the same in upper "
+                "and lower case."
+            )
             file.say("Y1311", path, message, "Give one of the two another name.", at_key=True)
         first.setdefault(key, name)
 
 
 def _check_frames(file: TomlFile, draft: RobotDraft) -> None:
-    """Check the frames of robot.toml: how many numbers they have, and their parents, which must lead to
-    FLANGE.
+    """Check the frames of robot.toml. Each frame must have the right number of values, and its chain of
+    parents must end at FLANGE.
     """
     frames = draft.table.frames
     upper = {name.upper(): name for name in frames if name.upper() not in RESERVED}
@@ -200,16 +210,16 @@ def _check_frames(file: TomlFile, draft: RobotDraft) -> None:
             near = did_you_mean(parent, {"FLANGE", *upper} - {name.upper()})
             file.say("Y1329", ("frames", name, "parent"), message, *near)
     for circle in circles(parents):
-        message = f"The frames {', '.join(circle)} hang on each other in a circle."
+        message = f"The frames {', '.join(circle)} are attached to each other in a circle."
         if len(circle) == 1:
-            message = f"The frame {circle[0]} hangs on itself."
+            message = f"The frame {circle[0]} is its own parent."
         remedy = 'Give one of them parent = "FLANGE".'
         file.say("Y1330", ("frames", upper[circle[0]], "parent"), message, remedy)
 
 
 def check_narrower(urdf: Urdf, draft: RobotDraft, chain: Sequence[Joint]) -> None:
-    """Report position and velocity limits of the URDF that are narrower than those of robot.toml, since
-    robot.toml takes precedence.
+    """Report position and velocity limits of robot.toml that are wider than those of the URDF. The limits of
+    robot.toml are used, so the robot could exceed those of the URDF.
     """
     for joint in chain:
         table, limit = (draft.table.joints or {}).get(joint.name), joint.element.first("limit")
@@ -217,7 +227,7 @@ def check_narrower(urdf: Urdf, draft: RobotDraft, chain: Sequence[Joint]) -> Non
             continue
         unit, name = (MM, "mm") if joint.kind == "prismatic" else (DEG, "deg")
         wider: list[tuple[str, float, float, str]] = []
-        # CAD exports write the range 0 to 0 if it isn't known, and 0 for an unknown speed
+        # CAD exports write 0 to 0 for an unknown range, and 0 for an unknown speed
         ranged = joint.lower is None or joint.upper is None or joint.lower < joint.upper
         if table.position is not None and len(table.position) == 2 and joint.kind != "continuous" and ranged:
             for key, theirs, ours, sign in (
@@ -231,4 +241,6 @@ def check_narrower(urdf: Urdf, draft: RobotDraft, chain: Sequence[Joint]) -> Non
             wider.append(("velocity", speed / unit, table.velocity, f"{name}/s"))
         for key, theirs, ours, per in wider:
             message = f"{key} of joint {joint.name} is {theirs:.6g} {per}, but {ours:g} {per} in robot.toml."
-            urdf.say("Y1355", message, "robot.toml counts, and is wider; make the two agree.", limit, key)
+            urdf.say(
+                "Y1355", message, "The wider limit of robot.toml is used; make the two agree.", limit, key
+            )

@@ -62,13 +62,21 @@ def check_pieces(file: TomlFile, table: RobotTable, urdf: Urdf) -> None:
         place = ("collision", "pieces", name)
         if name not in urdf.links:
             message = f"pieces names the link {name[:40]}, which the URDF doesn't have."
-            remedy = f"{did_you_mean(name, urdf.links)[0]} A tool's mesh has its pieces under [[bodies]]."
+            remedy = (
+                f"{did_you_mean(name, urdf.links)[0]} The pieces of a tool's mesh are given under [[bodies]]."
+            )
             file.say("Y1347", place, message, remedy, at_key=True)
             continue
         geometries = [body.first("geometry") for body in urdf.links[name].all("collision")]
         if not any(one is not None and one.children[0].tag == "mesh" for one in geometries):
-            message = f"The link {name[:40]} has no mesh for collisions that could be divided into pieces."
-            file.say("Y1308", place, message, "Remove it: only meshes have pieces.", at_key=True)
+            message = f"The link {name[:40]} has no collision mesh that could be divided into pieces."
+            file.say(
+                "Y1308",
+                place,
+                message,
+                "Remove the entry: only meshes can be divided into pieces.",
+                at_key=True,
+            )
 
 
 def _of_srdf(file: TomlFile, folder: Path, name: str, urdf: Urdf) -> Iterable[Pair]:
@@ -80,7 +88,7 @@ def _of_srdf(file: TomlFile, folder: Path, name: str, urdf: Urdf) -> Iterable[Pa
         if source.source is not None:
             file.findings.append(source)
         else:
-            remedy = "Name the SRDF file, seen from the folder of this robot.toml."
+            remedy = "Give the SRDF file's path relative to the folder of this robot.toml."
             file.say("Y1302", ("collision", "srdf"), source.message, remedy)
         return
     text = UrdfText(source)

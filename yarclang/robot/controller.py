@@ -1,7 +1,8 @@
-"""Define the interface of all kinds of controllers, as far as reading a robot.toml needs it.
+"""Define the part of the interface of a kind of controller that is needed to read a robot.toml.
 
-Each kind of controller is a package `yarclang/backend_NAME`. Its `kind.py` has a `KIND` with all that is
-needed to read a robot; its `backend.py` has everything else (`yarclang/backend.py`).
+Each kind of controller is a package `yarclang/backend_NAME`. Its module `kind.py` defines `KIND`, a `Kind`,
+which contains everything that is needed to read a robot. Its module `backend.py` defines `BACKEND`, a
+`Backend` (`yarclang/backend.py`), which contains everything else.
 """
 
 from __future__ import annotations
@@ -18,10 +19,13 @@ if TYPE_CHECKING:
 
 @frozen
 class SignalVariable:
-    """The controller variable that belongs to an input or output of a program, as found in a text.
+    """The controller variable that a text, such as an entry of a cell.toml, names as an input or output.
 
-    `name` is the usual form of the variable's name. It is None if the text names no variable; `fault` is then
-    the reason and `remedy` the correction. `is_taken` is True if yarclang itself uses the variable.
+    Attributes:
+        name: usual form of the variable's name; None if the text names no variable.
+        fault: reason why the text names no variable.
+        remedy: how to correct the text.
+        is_taken: True if yarclang itself uses the variable.
     """
 
     name: str | None
@@ -30,8 +34,8 @@ class SignalVariable:
     is_taken: bool = False
 
 
-NO_SIGNAL = SignalVariable(None, "is no variable: this controller has none", "leave it out")
-"""Result for a kind of controller that has no inputs and outputs."""
+NO_SIGNAL = SignalVariable(None, "isn't a variable: this controller has none", "remove it")
+"""Result of `Kind.signal` for every text if the controller has no inputs and outputs."""
 
 
 class Controller(Protocol):
@@ -46,19 +50,19 @@ class Controller(Protocol):
 
     @property
     def axes(self) -> tuple[str, ...]:
-        """The controller's name of each joint."""
+        """The controller's name for each joint."""
 
     @property
     def motors(self) -> tuple[int, ...]:
-        """The number of each motor; motor k is row k of the actuation matrix."""
+        """The controller's number of each motor, in the order of the rows of the actuation matrix."""
 
     @property
     def smallest_segment(self) -> float:
-        """The shortest segment that the controller can calculate fast enough [s]."""
+        """The shortest duration of a segment [s]. The controller can't calculate shorter segments in time."""
 
     @property
     def largest_segment(self) -> float:
-        """The longest segment that is planned [s]."""
+        """The longest duration of a segment that the planner uses [s]."""
 
     @property
     def hold_time(self) -> float:
@@ -68,17 +72,17 @@ class Controller(Protocol):
 
     @property
     def rapid_share(self) -> float:
-        """The share of the joints' velocity limits that the slow motion to a program's start position
-        uses.
+        """The speed of the slow motion to a program's start position, as a fraction of the joints' velocity
+        limits.
         """
 
     @property
     def text(self) -> str:
-        """The robot's place on the controller, in words for people: `coordinate system 1`."""
+        """The controller's name for the whole robot, as messages use it: `coordinate system 1`."""
 
     @property
     def timing(self) -> str:
-        """The reason for the length of the shortest segment, in words for people."""
+        """The reason why no segment may be shorter than `smallest_segment`, as messages state it."""
 
     def signal(self, text: str) -> SignalVariable:
         """Return the controller variable that `text` names; `text` is in upper case."""
@@ -93,8 +97,8 @@ class Kind:
         title: the kind's name for people, with its article.
         table: function that returns the schema of the table `[controller]`, a `ControllerTable`
             (`robot/schema.py`). It imports pydantic.
-        controller: function that makes the controller from a `[controller]` table without mistakes and the
-            motors' numbers.
+        controller: function that makes the controller from a correct `[controller]` table and the numbers of
+            the motors.
         restored: function that makes a controller from the result of `dataclasses.asdict`.
         lines: function that takes the number of joints, and returns the lines of `[controller]` for a new
             robot.
@@ -103,8 +107,8 @@ class Kind:
         not_coupled: function that takes the axes whose joints have coupled motors. It returns the remedy if
             the controller can't couple these axes. It returns an empty text if the controller can, or if a
             name isn't that of an axis.
-        signal: function that returns the controller variable of an input or output that a text in upper case
-            names. It is used if the robot isn't known.
+        signal: function that takes a text in upper case, and returns the controller variable that the text
+            names. It is used if the robot isn't known; otherwise, `Controller.signal` is used.
     """
 
     name: str

@@ -65,7 +65,7 @@ def load_robot(name_or_path: str) -> Result[Robot]:
             robot.toml or of a folder that contains one.
 
     Returns:
-        The robot, with warnings if there are any; or None and all mistakes of robot.toml and URDF.
+        The robot, with any warnings. If robot.toml or the URDF has mistakes, None with all of these mistakes.
     """
     path, near = find_robot(name_or_path)
     if path is None:
@@ -74,7 +74,7 @@ def load_robot(name_or_path: str) -> Result[Robot]:
         here = os.path.basename(folder) == folder  # noqa: PTH119 (no name is refused)
         if not near and here and os.path.isfile(f"{folder}/robot.toml"):  # noqa: PTH113 (never raises)
             near = f"./{folder}"
-        remedy = f"The robots are {names}; a robot of yours is named by its path."
+        remedy = f"The robots are {names}; give your own robot by its path."
         remedy = f"Did you mean {near}? {remedy}" if near else remedy
         message, subject = f"There is no robot {name_or_path[:80]!r}.", Name(name_or_path, near)
         return _nothing(Diagnostic("Y1301", message, help=remedy, subject=subject))
@@ -170,6 +170,8 @@ def _load(folder: Path, source: SourceFile, data: dict[str, Any]) -> Result[Robo
     fingerprint = _fingerprint(table, urdf, shapes, allowed, (tools, dynamics))
     written = Written(source.text, urdf.text)
     robot = replace(robot, shapes=bodies, allowed=allowed, tools=tools, dynamics=dynamics, written=written)
+    if (name := Path(source.name).name).endswith(".toml"):  # a text that is edited may have no file
+        robot = replace(robot, file_name=name)
     return Result(replace(robot, fingerprint=fingerprint), in_order(findings))
 
 
@@ -184,7 +186,10 @@ def _open_urdf(file: TomlFile, folder: Path, draft: RobotDraft) -> tuple[Urdf | 
         return None, {}
     if isinstance(source, Diagnostic):
         file.say(
-            "Y1302", ("urdf",), source.message, "Name the URDF file, seen from the folder of this robot.toml."
+            "Y1302",
+            ("urdf",),
+            source.message,
+            "Give the URDF file's path relative to the folder of this robot.toml.",
         )
         return None, {}
     urdf = read_urdf(source)
@@ -197,16 +202,16 @@ def _chain(
     ends: tuple[str, str],
     ignored: Sequence[str],
 ) -> tuple[Joint, ...] | None:
-    """Return the moving joints from the base to the flange, or None with a finding."""
+    """Return the moving joints from the base to the flange. If there is no such chain, report it and return
+    None.
+    """
     base, flange = ends
     joints = joints_between(urdf, base, flange)
     if joints is None:
         back = joints_between(urdf, flange, base) is not None
         message = f"No chain of joints leads from the base {base} to the flange {flange}"
         message += ", only from the flange to the base." if back else "."
-        remedy = (
-            "Exchange base and flange." if back else "Name a link above the flange as base, the arm's foot."
-        )
+        remedy = "Swap base and flange." if back else "Name a link above the flange as base, the arm's foot."
         file.say("Y1353", ("base",), message, remedy)
         return None
     moving = tuple(joint for joint in joints if joint.kind in MOVING)
@@ -234,8 +239,8 @@ def _assemble(
     chain: Chain,
     frames: Mapping[str, Array],
 ) -> Robot:
-    """Build the robot in SI units, without its collision shapes, from the tables of a robot.toml without
-    mistakes.
+    """Build the robot from the tables of a robot.toml in which no mistakes were found. All quantities are in
+    SI units; the collision shapes are added later.
     """
     actuation, motors, controller = (
         _required(table.actuation),
@@ -297,16 +302,19 @@ def _fingerprint(
 ) -> str:
     """Return the SHA-256 of everything in the robot's files that affects compiled programs.
 
-    This covers values, joints, collision shapes (meshes by their bytes), tools, and masses if torques are
-    checked. Comments, layout, visual shapes, and whether a number has a decimal point make no difference.
+    It depends on values, joints, collision shapes (meshes by their bytes), and tools. It depends on masses
+    only if torques are checked. Comments, layout, visual shapes, and whether a number has a decimal point
+    make no difference.
     """
     joints = {
         joint.name: [joint.kind, joint.parent, joint.child, joint.xyz, joint.rpy, joint.axis]
         for joint in urdf.joints.values()
     }
     tools, dynamics = more
-    # keys that a robot doesn't use must not change its fingerprint
-    later = {"tools", "bodies", "dynamics", "ramps"}  # the results of ramps are in the joints
+    # leave out the tables that are added below if the robot uses them: a table that the robot doesn't use
+    # must not change its fingerprint. The table [ramps] is left out because the values of `joints` contain
+    # the accelerations and jerks that [ramps] determines
+    later = {"tools", "bodies", "dynamics", "ramps"}
     values = table.model_dump(exclude={"urdf", "ignored_joints", "collision", "jog", *later})
     for joint in values["joints"].values():
         joint.pop("effort")
@@ -339,12 +347,12 @@ def _kind(kind: str) -> JointKind:
 
 
 def _kind_of(kind: str) -> Kind:
-    """Return the kind of controller that a robot.toml without mistakes names."""
+    """Return the kind of controller that a robot.toml names; the robot.toml must have no mistakes."""
     return _required(kind_of(kind))
 
 
 def _required(value: T | None) -> T:
-    """Return a required value of a robot.toml without mistakes."""
+    """Return a required value of a robot.toml; the robot.toml must have no mistakes."""
     if value is None:
         raise AssertionError("a required key passed the checks without a value")
     return value

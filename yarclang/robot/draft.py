@@ -1,4 +1,4 @@
-"""Read the tables of a robot.toml that may have mistakes, so that all correct values can still be checked."""
+"""Read the tables of a robot.toml that may have mistakes, so that its correct values can be checked."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def read_draft(data: dict[str, Any]) -> RobotDraft:
     """Return the tables of a robot.toml, without the keys whose values have the wrong type or form.
 
     Args:
-        data: the dictionary from tomllib. Keys with such values are removed from it.
+        data: the dictionary from tomllib. Keys whose values have the wrong type or form are removed from it.
     """
     told = data.get("controller")
     kind = told.get("kind", DEFAULT) if isinstance(told, dict) else DEFAULT

@@ -33,10 +33,8 @@ def _check_actuation(file: TomlFile, draft: RobotDraft, size: int) -> None:
     if gear is not None and right_length(file, ("actuation", "K"), gear, size, "value", "joint"):
         for at, value in enumerate(gear):
             if abs(value) < 1e-6:
-                message = (
-                    f"K[{at + 1}] is {value:g} counts per axis unit, so motor {at + 1} would move nothing."
-                )
-                remedy = "Give the counts of one deg (or mm); a minus sign turns the direction round."
+                message = f"K[{at + 1}] is {value:g} counts per axis unit, so motor {at + 1} would not move."
+                remedy = "Give the counts of one deg (or mm); a minus sign reverses the direction."
                 file.say("Y1319", ("actuation", "K", at), message, remedy)
     if actuation.a0 is not None:
         right_length(file, ("actuation", "a0"), actuation.a0, size, "value", "joint")
@@ -59,7 +57,7 @@ def _check_coupling(file: TomlFile, draft: RobotDraft, coupling: Array) -> None:
     kind = kind_of(controller.kind) if controller else None
     groups = _groups(coupling)
     uneven = [(motors, joints) for motors, joints in groups if len(motors) != len(joints)]
-    for motors, joints in uneven[:1]:  # the others follow from the first
+    for motors, joints in uneven[:1]:  # one uneven group implies another: report only the first
         message = (
             f"J couples {_count(len(motors), 'motor')} (number {_listed(motors)}) "
             f"with {_count(len(joints), 'joint')} (number {_listed(joints)})."
@@ -67,11 +65,11 @@ def _check_coupling(file: TomlFile, draft: RobotDraft, coupling: Array) -> None:
         if not motors or not joints:
             message = f"{'Column' if joints else 'Row'} {_listed(joints or motors)} of J has only zeros."
         path: Path = ("actuation", "J", motors[0]) if motors else ("actuation", "J")
-        file.say("Y1325", path, message, "Coupled joints need as many motors as they are.")
+        file.say("Y1325", path, message, "Give coupled joints as many motors as joints.")
     condition = float(np.linalg.cond(coupling)) if len(coupling) and not uneven else 1.0
     if not condition < WORST_CONDITION:
         message = f"J can't be inverted: its condition number is {condition:.3g}, and must be below 1e6."
-        file.say("Y1320", ("actuation", "J"), message, "Make its rows independent of each other.")
+        file.say("Y1320", ("actuation", "J"), message, "Make its rows linearly independent.")
     for motors, joints in groups:
         if kind is None or axes is None or len(axes) != len(coupling) or len(joints) < 2 or uneven:
             continue
@@ -87,8 +85,8 @@ def _check_coupling(file: TomlFile, draft: RobotDraft, coupling: Array) -> None:
 def _groups(
     coupling: Array,
 ) -> list[tuple[list[int], list[int]]]:
-    """Return the groups of coupled motors and joints: for each group, the rows (motors) and the columns
-    (joints) of J that nonzero entries connect.
+    """Return the groups of motors and joints that nonzero entries of J connect with each other: for each
+    group, the numbers of its motors (rows of J) and of its joints (columns of J).
     """
     todo = [("row", at) for at in range(len(coupling))] + [("column", at) for at in range(len(coupling))]
     groups: list[tuple[list[int], list[int]]] = []
@@ -133,7 +131,7 @@ def check_twice(file: TomlFile, code: str, path: Path, kind: str, names: Sequenc
         file: the robot.toml, which collects the findings.
         code: the code of the finding.
         path: the keys that lead to the list in the file.
-        kind: what the names denote, for the message.
+        kind: word for the named things, for the message.
         names: one name for each joint.
     """
     first: dict[str, int] = {}

@@ -16,7 +16,9 @@ from yarclang.robot.kinematics.fk import links_of
 from yarclang.robot.model import Array, Chain, Dynamics
 
 BLOCK = 2048
-"""Instants in one block: the arrays of a step stay in the processor's cache."""
+"""Number of instants in one block. It is small enough for the arrays of a step to stay in the processor's
+cache.
+"""
 
 
 def torques(chain: Chain, dynamics: Dynamics, q: Array, v: Array, a: Array) -> Array:
@@ -72,7 +74,7 @@ def _torques(chain: Chain, dynamics: Dynamics, q: Array, v: Array, a: Array) -> 
             _into(links.step[joint], sin[joint], cos[joint], one) for one in (spin, spin_rate, rise)
         )
         if turn:
-            # the joint's own rate turns with the links before it: ω × (axis · rate)
+            # the joint's velocity vector turns with the links before the joint: ω × (axis · rate)
             spin_rate[0] += spin[1] * (turn * v[joint])
             spin_rate[1] -= spin[0] * (turn * v[joint])
             spin_rate[2] += turn * a[joint]
@@ -99,12 +101,16 @@ def _torques(chain: Chain, dynamics: Dynamics, q: Array, v: Array, a: Array) -> 
 
 @frozen(eq=False)
 class _Links:
-    """The constants of an arm that the recursion needs.
+    """The constants of an arm that the recursion needs, for each joint and the body that the joint moves.
 
-    For each joint, `step` (n, 3, 3) is the rotation of the joint's frame relative to the joint frame before,
-    and `shift` (n, 3) is its origin in the frame before. For the body that the joint moves, `mass` (n,),
-    `center` (n, 3) and `inertia` (n, 3, 3) are in the joint's frame. `turn` and `slide` (n,) are the rotation
-    about z and the translation along z per unit of joint position.
+    Attributes:
+        step: (n, 3, 3) rotation of the joint's frame relative to the previous joint's frame.
+        shift: (n, 3) origin of the joint's frame in the previous joint's frame [m].
+        mass: (n,) mass of the body [kg].
+        center: (n, 3) centre of mass of the body, in the joint's frame [m].
+        inertia: (n, 3, 3) inertia of the body about its centre of mass, in the joint's frame [kg m^2].
+        turn: (n,) rotation about z per unit of joint position.
+        slide: (n,) translation along z per unit of joint position.
     """
 
     step: Array

@@ -1,5 +1,5 @@
-"""Compute for a picture where in the workspace an arm can place its flange, and in how many orientations. The
-picture reveals mistakes in a robot's description.
+"""Compute which parts of the workspace an arm's flange can reach, and in how many orientations it reaches
+each of them. The result is shown as a picture, which reveals mistakes in a robot's description.
 """
 
 from __future__ import annotations
@@ -12,22 +12,25 @@ from yarclang.robot.kinematics.search import within
 from yarclang.robot.model import Array, Robot
 
 CELLS = 32
-"""Cells along each side of a section."""
+"""Number of cells along each side of a section."""
 
 TRIED = 300_000
-"""Number of joint positions within limits, spread evenly. Sampling takes the same time for any arm; solving
-poses doesn't.
+"""Number of joint positions within limits, spread evenly. The flange poses of these joint positions are used
+instead of inverse kinematics, whose time depends on the arm.
 """
 
 
 @frozen(eq=False)
 class Held:
-    """For each cell of a section through the workspace, the share of orientations in which the flange can be
-    there.
+    """A section through the workspace, divided into cells. Each cell has the fraction of all orientations
+    that the flange can have in this cell.
 
-    `share` (CELLS, CELLS) is from 0 to 1, and NaN for cells that the flange never reached. It is counted in
-    the 24 orientations of a cube: each flange pose counts for the nearest of these. The rows of `share` run
-    along `up`, its columns along `across`; both are the edges (CELLS + 1,) of the cells [m] in {B}.
+    Attributes:
+        axes: names of the horizontal and of the vertical axis.
+        across: (CELLS + 1,) edges of the columns of cells, along the horizontal axis [m].
+        up: (CELLS + 1,) edges of the rows of cells, along the vertical axis [m].
+        share: (CELLS, CELLS) fraction of the 24 orientations of a cube, from 0 to 1; NaN for cells that the
+            flange didn't reach. Each flange pose counts for the nearest of these orientations.
     """
 
     axes: tuple[str, str]
@@ -42,7 +45,8 @@ def sections(robot: Robot) -> tuple[Held, Held]:
 
     In the top view, orientations are relative to {B}. In the side view, they are relative to a frame that
     turns about z so that its x axis points from the z axis to the flange. If the arm's first joint turns
-    about z, all its positions therefore give the same side view, and the side view shows everything.
+    about z, its position makes no difference to the side view. The side view then represents the whole
+    workspace.
     """
     poses = flange_poses(robot.chain, within(robot.chain, robot.limits, TRIED))
     x, y, z = poses[:, :3, 3].T
@@ -60,7 +64,8 @@ def _section(axes: tuple[str, str], across: Array, up: Array, turns: Array) -> H
     from scipy.spatial.transform import Rotation
 
     cube = Rotation.create_group("O").as_matrix()
-    nearest = np.argmax(turns.reshape(-1, 9) @ cube.reshape(-1, 9).T, axis=1)  # the largest trace of R' C
+    # the nearest orientation C of the cube has the smallest angle from R, and so the largest trace of RᵀC
+    nearest = np.argmax(turns.reshape(-1, 9) @ cube.reshape(-1, 9).T, axis=1)
     edges = [np.linspace(values.min() - 1e-9, values.max() + 1e-9, CELLS + 1) for values in (across, up)]
     column, row = (
         np.clip(np.searchsorted(edge, values) - 1, 0, CELLS - 1)

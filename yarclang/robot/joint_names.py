@@ -9,10 +9,9 @@ _NUMBERED = re.compile(r"J[0-9]+", re.IGNORECASE)
 
 
 def has_short_names(names: Sequence[str]) -> bool:
-    """Return True if the short names J1, J2 and so on may be used for these joints by their number.
+    """Return True if the joints may be called J1, J2 and so on, in their order.
 
-    They may not if one of the joints itself has such a name: in an arm with joints J0 to J5, J1 would be
-    ambiguous.
+    They may not if a joint's own name is of this form: in an arm with joints J0 to J5, J1 would be ambiguous.
     """
     return not any(_NUMBERED.fullmatch(name) for name in names)
 

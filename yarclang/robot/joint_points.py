@@ -1,7 +1,8 @@
-"""Origins of a robot's joint frames as its URDF defines them: for pictures, and for a comparison with the
-robot's masses.
+"""Compute the origins of a robot's joint frames as its URDF defines them. They are needed for pictures, and
+for the check of the centres of mass.
 
-A chain's screws don't determine where along its axis a joint is. A URDF does.
+The screws of a chain determine the joints' axes, but not the position of each joint along its axis. A URDF
+determines both.
 """
 
 from __future__ import annotations
@@ -16,10 +17,10 @@ from yarclang.toml.reading import parse_toml, read_text
 
 
 def urdf_of(robot: Robot) -> tuple[Urdf, str] | None:
-    """Return the URDF of a robot, and the name of the link that is {B}; None if the robot wasn't read from
-    files, or if these can't be read any more.
+    """Return the URDF of a robot, and the name of the link that is {B}. Return None if the robot wasn't read
+    from files, or if its files can't be read any more.
     """
-    table, source = read_text(robot.folder / "robot.toml", ""), read_text(robot.folder / robot.urdf, "")
+    table, source = read_text(robot.file, ""), read_text(robot.folder / robot.urdf, "")
     if isinstance(table, Diagnostic) or isinstance(source, Diagnostic):
         return None
     said, urdf = parse_toml(table), read_urdf(source)
@@ -33,7 +34,7 @@ def urdf_of(robot: Robot) -> tuple[Urdf, str] | None:
 
 def joint_points(robot: Robot) -> Array | None:
     """Return the origins of the joint frames and of the flange in {B} with all joints at zero, as (n + 1, 3)
-    [m]; None if the URDF can't be read any more.
+    [m]. Return None if the URDF can't be read any more.
     """
     found = urdf_of(robot)
     if found is None:

@@ -13,11 +13,11 @@ from yarclang.named import by_name
 from yarclang.robot.controller import Kind, SignalVariable
 
 DEFAULT = "turbo-pmac"
-"""Kind of controller of a robot.toml that sets none."""
+"""Kind of controller for a robot.toml that doesn't name a kind."""
 
 GROUP = "yarclang.backends"
-"""Entry point group for other packages: the kind's name, and a module that has its `KIND` and its
-`BACKEND`.
+"""Group of the entry points by which other packages add kinds of controllers. The name of an entry point is
+that of the kind; its value is the module that defines `KIND` and `BACKEND`.
 """
 
 _plugged: dict[str, str] = {}
@@ -34,9 +34,9 @@ def kind_of(name: str) -> Kind | None:
 
 
 def known_signal(text: str) -> SignalVariable:
-    """Return the controller variable of an input or output that a text in upper case names.
+    """Return the controller variable that `text` names, in upper case, as an input or output.
 
-    This is for a robot that isn't known: all kinds of controllers are tried.
+    All kinds of controllers are tried, since the robot isn't known.
     """
     found = [kind.signal(text) for name in kind_names() if (kind := kind_of(name)) is not None]
     return next((one for one in found if one.name is not None), found[0])
@@ -56,7 +56,7 @@ def kind_names() -> tuple[str, ...]:
 
 
 def module_of(name: str) -> str:
-    """Return the name of the module that has the `BACKEND` of a kind of controller.
+    """Return the name of the module that defines the `BACKEND` of a kind of controller.
 
     Raises:
         KeyError: there is no such kind.
@@ -75,7 +75,7 @@ def plugged(name: str, module: str) -> Iterator[None]:
 
     Args:
         name: the kind's name.
-        module: the module that has its `KIND` and its `BACKEND`.
+        module: the name of the module that defines its `KIND` and its `BACKEND`.
     """
     _plugged[name] = module
     try:

@@ -37,7 +37,7 @@ def list_robots() -> tuple[RobotSummary, ...]:
     nothing else is checked.
 
     Raises:
-        NamedTwice: two folders have a robot of the same name.
+        NamedTwice: two folders contain robots with the same name.
     """
     summaries = (_summary(path) for path in sorted((stdlib_folder() / "robots").glob(f"*/{DESCRIPTION}")))
     found = ((one.name, one.folder.name, one) for one in summaries if one is not None)
@@ -45,10 +45,13 @@ def list_robots() -> tuple[RobotSummary, ...]:
 
 
 def find_robot(name_or_path: str) -> tuple[Path | None, str]:
-    """Return the path of the robot.toml of a robot that is given by its name (in any case) or by a path; or
-    None, and the most similar name.
+    """Find the robot.toml of a robot that is given by its name (in any case) or by a path.
 
     A name of the standard library takes precedence over a folder of that name.
+
+    Returns:
+        The path and an empty text. If there is no such robot: None and the most similar name, which is empty
+        if no name is similar.
     """
     robots = stdlib_folder() / "robots"
     names = [path.parent.name for path in robots.glob(f"*/{DESCRIPTION}")]
@@ -76,4 +79,4 @@ def _summary(path: Path) -> RobotSummary | None:
             str(data["name"]).upper(), str(data.get("title", "")), path.parent, len(data["joints"])
         )
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
-        return None  # load_robot reports what is wrong with it
+        return None  # `load_robot` reports the mistakes of a robot that isn't listed

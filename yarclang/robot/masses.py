@@ -19,9 +19,13 @@ GRAVITY = 9.81
 
 @frozen(eq=False)
 class _Lump:
-    """A rigid body on the link that joint number `joint` (from 1) moves.
+    """A rigid body on a link of the arm.
 
-    `mass` is in kg, `center` (3,) is in {B} [m], and `inertia` (3, 3) is about the center [kg m^2].
+    Attributes:
+        joint: number of the joint that moves the link, from 1.
+        mass: mass [kg].
+        center: (3,) centre of mass in {B} [m].
+        inertia: (3, 3) inertia about the centre of mass [kg m^2].
     """
 
     joint: int
@@ -45,8 +49,9 @@ def dynamics_of(
         ends: the link that is {B}, and the arm's moving joints.
         chain: the same arm as a chain.
         tools: all tools; only the mounted ones count.
-        said: values of robot.toml: the effort of each joint (None: that of the URDF), gravity in {B} [m/s^2]
-            (None: downwards), and True if torques are checked.
+        said: three values of robot.toml. The first is the effort of each joint; None for the effort in the
+            URDF. The second is gravity in {B} [m/s^2]; None for gravity along negative z of the URDF's root.
+            The third is True if torques are checked.
     """
     base, moving = ends
     efforts, gravity, from_toml = said

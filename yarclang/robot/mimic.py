@@ -1,9 +1,11 @@
 """Describe joints that follow another joint by the URDF element <mimic>: their factor and offset, and how a
 robot.toml expresses them.
 
-Each joint of the chain has a motor of its own. If a joint moves with another one while its own motor is at
-rest, the coupling matrix J of robot.toml couples the two joints: in counts = K J q + a0 the row of the
-following joint is (..., -k, ..., 1, ...), and its a0 is -K b, so that the count 0 means q = k q' + b.
+Each joint of the chain has a motor of its own. The following joint may move with its leader while the motor
+of the following joint is at rest. The coupling matrix J of robot.toml expresses this. Let q be the position
+of the following joint and q' that of its leader: q = k q' + b, with factor k and offset b. In the
+robot.toml's formula counts = K J q + a0, the row of the following joint in J is then (..., -k, ..., 1, ...),
+and its a0 is -K b, so that its motor is at count 0 if q = k q' + b.
 """
 
 from __future__ import annotations
@@ -20,8 +22,13 @@ class Mimic:
     """A joint of the chain that follows another joint, its leader: `joint` = `factor` * `leader` + `offset`,
     in deg and mm.
 
-    `raw` has the multiplier and the offset of the URDF, in rad and m. `leader_kind` is None if the URDF
-    doesn't have the leader.
+    Attributes:
+        joint: the joint that follows.
+        leader: name of the leader.
+        factor: factor of the leader's position.
+        offset: offset [deg or mm].
+        raw: multiplier and offset of the URDF, in rad and m.
+        leader_kind: type of the leader; None if the URDF doesn't have the leader.
     """
 
     joint: Joint
@@ -45,17 +52,19 @@ class Mimic:
         )
 
     def remedy(self, chain: Sequence[Joint]) -> str:
-        """Return a sentence that explains how robot.toml expresses the coupling, or that it can't because the
-        leader isn't in the chain.
+        """Return a sentence that explains how robot.toml expresses the coupling, or that robot.toml can't
+        express it because the leader isn't in the chain.
         """
         name = self.joint.name
         if self.leader not in (joint.name for joint in chain) or self.leader == name:
-            return f"As {self.leader[:40]} isn't another joint of the chain, robot.toml can't say this."
+            return (
+                f"{self.leader[:40]} isn't another joint of the chain, so robot.toml can't describe "
+                "this coupling."
+            )
         return (
-            f"If {name} has a motor of its own that stands still while {name} follows, remove <mimic> "
-            f"and give {name} limits; in robot.toml "
-            f"its row of J is {-self.factor + 0.0:.12g} for {self.leader}, 1 for {name} and 0 else, and "
-            f"its a0 is {-self.offset + 0.0:.12g} * K counts."
+            f"If {name} has its own motor, which is at rest while {name} follows, remove <mimic> and give "
+            f"{name} limits; in robot.toml its row of J is {-self.factor + 0.0:.12g} for {self.leader}, 1 "
+            f"for {name} and 0 else, and its a0 is {-self.offset + 0.0:.12g} * K counts."
         )
 
 

@@ -25,8 +25,8 @@ Array = NDArray[np.float64]
 REDUCED_SPEED = 250.0 * MM
 """The largest speed of a tool if people are within reach [m/s] (ISO 10218-1)."""
 START_SHARE = 0.05
-"""Share of the acceleration and jerk limits that the first segment of a motion may use because the robot
-stands beside the start.
+"""Fraction of the acceleration and jerk limits that the first segment of a motion may use to remove a small
+initial distance of the robot from the motion's start.
 """
 JointKind = Literal["revolute", "prismatic", "continuous"]
 
@@ -35,8 +35,11 @@ JointKind = Literal["revolute", "prismatic", "continuous"]
 class Lines:
     """The axes of a chain in {B}, with all joints at zero.
 
-    `axes` (n, 3) are unit directions, `points` (n, 3) [m] a point on each axis. `turn` and `slide` (n,) are
-    the rotation about the axis and the translation along it per unit of joint position.
+    Attributes:
+        axes: (n, 3) unit directions of the axes.
+        points: (n, 3) a point on each axis [m].
+        turn: (n,) rotation about the axis per unit of joint position.
+        slide: (n,) translation along the axis per unit of joint position.
     """
 
     axes: Array
@@ -46,8 +49,8 @@ class Lines:
 
 
 class Kinematics(Protocol):
-    """Interface of forward kinematics, as `yarclang.collision` and `yarclang.handling` use it. A chain may
-    bring its own implementation.
+    """Interface of the forward kinematics that `yarclang.collision` and `yarclang.handling` use. A chain may
+    have its own implementation (`Chain.kinematics`).
     """
 
     def placements(self, chain: Chain, q: Array) -> Array:
@@ -71,10 +74,12 @@ class Kinematics(Protocol):
 class Chain:
     """The serial chain from {B} to {FLANGE}, as a product of exponentials.
 
-    `screws` (n, 6) are the joint axes in {B} with all joints at zero: linear part, then angular part (a
-    revolute axis w through point c is (-w x c, w); a prismatic one is (v, 0)). `base_from_flange` (4, 4) is
-    the flange pose with all joints at zero. `kinematics` computes the chain's motion; None means the
-    planner's kinematics. The judge, which checks the output independently, brings its own.
+    Attributes:
+        screws: (n, 6) joint axes in {B} with all joints at zero: linear part, then angular part. A revolute
+            axis w through point c is (-w x c, w); a prismatic one is (v, 0).
+        base_from_flange: (4, 4) flange pose with all joints at zero.
+        kinematics: object that computes the chain's motion; None for the planner's kinematics. The judge,
+            which checks the output independently, sets its own implementation.
     """
 
     screws: Array
@@ -112,9 +117,13 @@ class Limits:
 class Actuation:
     """The conversion of joint positions to motor positions, the paper's eq. 5: counts = K J q + a0.
 
-    `gear` is K (n,) in counts per axis unit, `coupling` J (n, n), `offset` a0 (n,) in counts. q is in axis
-    units here: deg for a revolute joint, mm for a prismatic one. `velocity` (n,) is the largest speed of each
-    motor [counts/s].
+    q is in axis units here: deg for a revolute joint, mm for a prismatic one.
+
+    Attributes:
+        gear: (n,) K, the gear ratio of each motor [counts per axis unit].
+        coupling: (n, n) J, the motions of the motors (rows) that belong to a motion of each joint (columns).
+        offset: (n,) a0, the position of each motor with all joints at 0 [counts].
+        velocity: (n,) largest speed of each motor [counts/s].
     """
 
     gear: Array
@@ -128,9 +137,9 @@ class Tolerance:
     """The largest distance of the executed path from the programmed one."""
 
     position: float = 0.02 * MM
-    """of the moving frame, and of prismatic joints [m]"""
+    """Largest distance of the moving frame, and of prismatic joints [m]."""
     angle: float = 0.002 * DEG
-    """of the moving frame, and of revolute joints [rad]"""
+    """Largest angle of the moving frame, and of revolute joints [rad]."""
 
     def of_motion(self, distance: float | None, *, leads_frame: bool) -> Tolerance:
         """Return the path tolerance of a motion.
@@ -168,10 +177,16 @@ class ToolShape:
 
 @frozen(eq=False)
 class Tool:
-    """A tool on the flange, or, if it isn't `mounted`, a tool that can be put on the flange.
+    """A tool.
 
-    `mass` is in kg, `center` (3,) its centre of mass [m] and `inertia` (3, 3) about this centre [kg m^2], in
-    the axes of {FLANGE}. `frame` is the name of the frame relative to which robot.toml describes the tool.
+    Attributes:
+        name: name of the tool.
+        mounted: True if the tool is on the flange; False if it can be put on the flange.
+        mass: mass [kg].
+        center: (3,) centre of mass in the axes of {FLANGE} [m].
+        inertia: (3, 3) inertia about the centre of mass, in the axes of {FLANGE} [kg m^2].
+        shapes: shapes of the tool.
+        frame: name of the frame relative to which robot.toml describes the tool.
     """
 
     name: str
@@ -187,10 +202,16 @@ class Tool:
 class Dynamics:
     """The masses that the joints move, in {B} with all joints at zero.
 
-    The arrays have one entry for each joint k: the body that joint k moves and joint k + 1 doesn't, including
-    mounted tools. `mass` (n,) is in kg, `center` (n, 3) in m, and `inertia` (n, 3, 3) is about the center [kg
-    m^2]. `gravity` (3,) is in m/s^2. `effort` (n,) is the largest torque or force of each joint [N m or N],
-    infinite if it isn't known. `wanted` is True if robot.toml asks for torques to be compared with efforts.
+    Entry k of an array describes the body that joint k moves and joint k + 1 doesn't, including mounted
+    tools.
+
+    Attributes:
+        mass: (n,) mass of each body [kg].
+        center: (n, 3) centre of mass [m].
+        inertia: (n, 3, 3) inertia about the centre of mass [kg m^2].
+        gravity: (3,) gravity [m/s^2].
+        effort: (n,) largest torque or force of each joint [N m or N]; infinite if it isn't known.
+        wanted: True if robot.toml asks for torques to be compared with efforts.
     """
 
     mass: Array
@@ -210,8 +231,8 @@ class Dynamics:
 
 @frozen
 class Written:
-    """The texts of a robot's robot.toml and URDF, as they were when the robot was read. They are for checkers
-    that must not trust the `Robot` made from them.
+    """The texts of a robot's robot.toml and URDF, as they were when the robot was read. A checker that
+    doesn't trust the `Robot` made from these texts uses them instead.
     """
 
     toml: str
@@ -222,13 +243,31 @@ class Written:
 class Robot:
     """A robot: geometry, limits, frames, actuation, controller.
 
-    `flange_from_frame` has each frame on the flange, by its name in upper case without braces; FLANGE itself
-    is the identity. `positions` are the named joint positions, including HOME. `fingerprint` is the SHA-256
-    of everything that programs depend on. `shapes` are the links' collision shapes; `allowed` are the pairs
-    of links and tools that may touch each other, each pair in alphabetical order. `dynamics` is None for a
-    robot that wasn't read from files. `jog_speed` is the largest speed of the tool's origin in live motions
-    [m/s]: ISO 10218-1's reduced speed, unless robot.toml sets another. `written` are the texts of the robot's
-    files; None for a robot that wasn't read from files, or was changed after it was read.
+    Attributes:
+        name: name of the robot.
+        title: one line about the robot.
+        folder: folder of the robot's files.
+        urdf: name of the URDF file, as in robot.toml.
+        joint_names: names of the joints.
+        joint_kinds: kinds of the joints.
+        chain: the joints' axes.
+        limits: the joints' limits.
+        flange_from_frame: pose of each frame on the flange, by the frame's name in upper case without braces;
+            FLANGE itself is the identity.
+        positions: named joint positions, including HOME.
+        actuation: conversion of joint positions to motor positions.
+        controller: connection to the controller.
+        tolerance: largest distance of the executed path from the programmed one.
+        fingerprint: SHA-256 of everything that programs depend on.
+        shapes: collision shapes of the links.
+        allowed: pairs of links and tools that may touch each other, each pair in alphabetical order.
+        tools: the tools.
+        dynamics: masses and efforts; None for a robot that wasn't read from files.
+        jog_speed: largest speed of the tool's origin in live motions [m/s]: ISO 10218-1's reduced speed,
+            unless robot.toml sets another.
+        written: texts of the robot's files; None for a robot that wasn't read from files, or was changed
+            after it was read.
+        file_name: name of the file that describes the robot, usually robot.toml.
     """
 
     name: str
@@ -251,6 +290,12 @@ class Robot:
     dynamics: Dynamics | None = None
     jog_speed: float = REDUCED_SPEED
     written: Written | None = field(default=None, repr=False)
+    file_name: str = "robot.toml"
+
+    @property
+    def file(self) -> Path:
+        """The path of the file that describes the robot, usually robot.toml."""
+        return self.folder / self.file_name
 
     @property
     def size(self) -> int:

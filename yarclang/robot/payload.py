@@ -1,8 +1,8 @@
-"""Compute the largest torques with which an arm holds itself at rest, over all joint positions within its
+"""Compute the largest torques that an arm needs to hold itself at rest, over all joint positions within its
 limits.
 
-Collisions and zones are ignored: at the worst position the arm may touch something. The result is therefore
-an upper bound.
+Collisions and zones are ignored, so the worst position may be one that the arm can't take. The result is
+therefore an upper bound.
 """
 
 from __future__ import annotations
@@ -15,10 +15,12 @@ from yarclang.robot.dynamics import holding_torques
 from yarclang.robot.model import Array, Chain, Dynamics
 
 _STARTS, _EACH = 48, 96
-"""Number of starts of the search, and of evenly spread positions among which each start is chosen."""
+"""Number of groups of evenly spread joint positions, and number of joint positions in each group. The search
+for the largest torque of a joint starts from the worst position of each group.
+"""
 _SWEEPS = 6
 _WIDE = np.pi
-"""Range of a joint without limits, to either side [rad or m]."""
+"""Limit that replaces an infinite position limit of a joint, to either side of 0 [rad or m]."""
 _THIRDS = np.array([0.0, 1.0, 2.0]) * 2.0 * np.pi / 3.0
 
 
@@ -85,8 +87,8 @@ def _worst_along(
     moved: int,
     limits: tuple[float, float],
 ) -> Array:
-    """Return the position of one joint at which a holding torque is largest, as (R,): one entry for each row
-    of joint positions.
+    """Move one joint, and return the position of this joint at which a holding torque is largest. The result
+    (R,) has one position for each row of `q`.
 
     Args:
         chain: the arm, n joints.
@@ -98,15 +100,17 @@ def _worst_along(
     """
     low, high = limits
     rows = np.arange(len(q))
-    # three equidistant angles determine mean + cosine · cos + sine · sin
+    # the torque is mean + cosine · cos + sine · sin of the angle; three equidistant angles determine these
+    # three coefficients
     tried = np.repeat(q[None], 3, axis=0)
     tried[:, :, moved] = _THIRDS[:, None]
     values = holding_torques(chain, dynamics, tried.reshape(-1, q.shape[1])).reshape(3, *q.shape)
     value = values[:, rows, joints]  # (3, R)
     mean = value.mean(axis=0)
     cosine, sine = (2.0 / 3.0 * (wave @ value) for wave in (np.cos(_THIRDS), np.sin(_THIRDS)))
-    # the extremes of the sine, with their repetitions within the limits; for a sliding joint they mean
-    # nothing, but the ends of its line are tried as well
+    # the extremes of the sine: its peak plus all multiples of half a turn, within the limits. The limits
+    # themselves are tried, too. For a sliding joint, the torque is a line, which has its extremes at the
+    # limits.
     turns = np.arange(np.floor((low - np.pi) / np.pi), np.ceil((high + np.pi) / np.pi) + 1.0) * np.pi
     peaks = np.arctan2(sine, cosine) + turns[:, None]
     places = np.vstack([np.clip(peaks, low, high), np.full(len(q), low), np.full(len(q), high)])

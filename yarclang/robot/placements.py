@@ -11,15 +11,17 @@ Array = NDArray[np.float64]
 
 
 def placements(screws: Array, q: Array) -> Array:
-    """Compute how the joints move the links from their places with all joints at zero.
+    """Compute the placements (rotation and translation) by which the joints move the links from their places
+    with all joints at zero.
 
     Args:
         screws: (n, 6) of a chain, linear part then angular part.
         q: (P, n) [rad or m].
 
     Returns:
-        (n + 1, 3, 4, P): entry k is the rotation and, as the fourth column, the translation [m] by which the
-        first k joints move a body from its place with all joints at zero to its place at `q`.
+        (n + 1, 3, 4, P): entry k is the motion of a body that the first k joints move, from its place with
+            all joints at zero to its place at `q`. The first three columns are the rotation, the fourth is
+            the translation [m].
     """
     count, size = q.shape
     # positions are the last index during the computation: all steps run along whole rows

@@ -20,7 +20,9 @@ NotNegative = Annotated[float, Field(ge=0.0, le=LARGEST)]
 
 
 class JointTable(Table):
-    """`[joints.NAME]`: deg (mm for a prismatic joint), per s, s^2, s^3; efforts in N m (N)."""
+    """`[joints.NAME]`: positions in deg; velocities, accelerations and jerks in deg per s, s^2, s^3; efforts
+    in N m. For a prismatic joint, mm and N replace deg and N m.
+    """
 
     required = ("velocity", "acceleration", "jerk")
     position: list[Number] | None = None
@@ -35,8 +37,8 @@ Ramp = Annotated[float, Field(ge=1.0, le=60_000.0)]
 
 
 class RampsTable(Table):
-    """`[ramps]`: times [ms] in which joints reach their velocity (`rise`) and their acceleration limit
-    (`ease`), for joints without an acceleration or jerk of their own.
+    """`[ramps]`: times [ms] in which joints reach their velocity limit (`rise`) and their acceleration limit
+    (`ease`). They apply to joints whose own tables set no acceleration or no jerk.
     """
 
     rise: Ramp | None = None
@@ -44,7 +46,7 @@ class RampsTable(Table):
 
 
 class FrameTable(Table):
-    """`[frames.NAME]`: mm, deg (roll, pitch, yaw), relative to the parent frame."""
+    """`[frames.NAME]`: pose of a frame relative to its parent frame, in mm and deg (roll, pitch, yaw)."""
 
     parent: str = "FLANGE"
     xyz: list[Number] = Field(default=[0.0, 0.0, 0.0])
@@ -69,7 +71,7 @@ class MotorsTable(Table):
 
 
 class ControllerTable(Table):
-    """`[controller]`: the keys that all kinds share, with times in ms. Each kind extends this table
+    """`[controller]`: the keys for all kinds of controllers, with times in ms. Each kind extends this table
     (`Kind.table`).
     """
 
@@ -82,7 +84,7 @@ class ControllerTable(Table):
 
 
 class ToleranceTable(Table):
-    """`[tolerance]`: mm and deg."""
+    """`[tolerance]`: largest distance of the executed path from the programmed one, in mm and deg."""
 
     position: Annotated[float, Field(ge=LEAST, le=1e6)] = 0.02
     angle: Annotated[float, Field(ge=LEAST, le=180.0)] = 0.002
@@ -95,8 +97,8 @@ class JogTable(Table):
 
 
 class CollisionTable(Table):
-    """`[collision]`: pairs of links that may touch each other, and an SRDF that lists more pairs; and for
-    links whose meshes are divided into convex pieces, the largest number of pieces.
+    """`[collision]`: pairs of links that may touch each other, an SRDF that lists more pairs, and the links
+    whose meshes are divided into convex pieces, each with the largest number of pieces.
     """
 
     allowed: list[list[str]] = Field(default=[])
@@ -105,8 +107,8 @@ class CollisionTable(Table):
 
 
 class ToolTable(Table):
-    """`[tools.NAME]`: a tool on the flange; kg, mm, kg m^2 (xx, yy, zz, xy, xz, yz about the centre of mass),
-    all relative to `frame`.
+    """`[tools.NAME]`: a tool on the flange, described relative to `frame`: mass in kg, centre of mass in mm,
+    and inertia in kg m^2 (xx, yy, zz, xy, xz, yz about the centre of mass).
     """
 
     frame: str = "FLANGE"
@@ -132,14 +134,16 @@ class BodyTable(Table):
 
 
 class DynamicsTable(Table):
-    """`[dynamics]`: gravity in m/s^2, in the axes of {B}; `checked` is True if torques are checked."""
+    """`[dynamics]`: gravity in m/s^2, in the axes of {B}; `checked` is True to compare torques with effort
+    limits.
+    """
 
     checked: bool = True
     gravity: list[Number] | None = None
 
 
 class RobotTable(Document):
-    """The whole file."""
+    """The whole robot.toml."""
 
     required = (
         "name",
@@ -192,7 +196,7 @@ class RobotTable(Document):
         "base": 'for example base = "base_link", the link of the URDF that is {B}.',
         "flange": 'for example flange = "flange", the link of the URDF that is {FLANGE}.',
         "joints": "it has one table [joints.NAME] for each joint of the URDF.",
-        "positions": "it needs HOME = [...], one value a joint.",
+        "positions": "it needs HOME = [...], one value per joint.",
         "actuation": "it needs K = [...] and J = [[...], ...], as in counts = K J q + a0.",
         "motors": "it needs numbers = [...] and velocity = [...] in counts/ms.",
         "controller": 'it needs axes = ["X", ...] and feedback = ["P1", ...].',
@@ -200,15 +204,18 @@ class RobotTable(Document):
         "acceleration": "for example acceleration = 240, in deg/s^2 or mm/s^2; or [ramps] with rise, in ms, for all "  # noqa: E501
         "joints.",
         "jerk": "for example jerk = 2000, in deg/s^3 or mm/s^3; or [ramps] with ease, in ms, for all joints.",
-        "HOME": "HOME = [...], one value a joint in deg or mm.",
+        "HOME": "HOME = [...], one value per joint in deg or mm.",
         "tool": 'for example tool = "GRIPPER", the NAME of a table [tools.NAME].',
         "shape": 'for example shape = "box".',
-        "size": "size = [x, y, z], the whole edges in mm.",
+        "size": "size = [x, y, z], the full edge lengths in mm.",
         "radius": "for example radius = 40, in mm.",
         "length": "for example length = 200, in mm, along z.",
-        "file": 'for example file = "gripper.stl", in mm, seen from the folder of this file.',
+        "file": 'for example file = "gripper.stl", in mm, relative to the folder of this file.',
         "mass": "for example mass = 1.8, in kg.",
-        "J": "J = [[...], ...], a row a motor and a column a joint; the unit matrix without coupling.",
+        "J": (
+            "J = [[...], ...], one row per motor and one column per joint; without coupling the "
+            "identity matrix."
+        ),
     }
 
 

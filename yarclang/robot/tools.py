@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from yarclang.robot.schema import BodyTable, RobotTable, ToolTable
 
 SLACK = 1e-6
-"""Tolerance for inconsistent components of an inertia, as a share of the inertia. Files have few digits, and
-rounding makes the components inconsistent.
+"""By how much the principal moments of an inertia may violate the conditions for a rigid body, relative to
+the inertia. The components in files are rounded to few digits, so that they violate the conditions slightly.
 """
 
 
@@ -66,7 +66,7 @@ def flange_frames(table: RobotTable) -> dict[str, Array]:
     """
     frames = {name.upper(): frame for name, frame in table.frames.items()}
     placed: dict[str, Array] = {"FLANGE": np.eye(4)}
-    while len(placed) <= len(frames):  # parents first; there is no circle
+    while len(placed) <= len(frames):  # parents come first; `check_table` has excluded circles of parents
         for name, frame in frames.items():
             if name not in placed and frame.parent.upper() in placed:
                 placed[name] = placed[frame.parent.upper()] @ _transform(frame.xyz, frame.rpy)
@@ -86,7 +86,7 @@ def _transform(xyz: Sequence[float], rpy: Sequence[float]) -> Array:
 def tools_of(
     file: TomlFile, table: RobotTable, flange_from_frame: Mapping[str, Array], folder: FilePath
 ) -> tuple[Tool, ...]:
-    """Return the tools of a robot.toml without mistakes, in the order of the file.
+    """Return the tools of a correct robot.toml, in the order of the file.
 
     Args:
         file: the robot.toml, which collects findings about mesh files.
@@ -146,11 +146,12 @@ def _check_tool(
     if least < -SLACK * abs(most) or most > (least + middle) * (1.0 + SLACK):
         shown = ", ".join(f"{value:.4g}" for value in (least, middle, most))
         message = (
-            f"inertia of {table_name(path)} has the principal moments {shown} kg m^2, which no body has."
+            f"inertia of {table_name(path)} has the principal moments {shown} kg m^2, which are impossible "
+            "for a body."
         )
         remedy = (
-            "Write it about the centre of mass as xx, yy, zz, xy, xz, yz in kg m^2; each moment is at "
-            "most the sum of the others."
+            "Give it about the centre of mass as xx, yy, zz, xy, xz, yz in kg m^2; each principal moment "
+            "is at most the sum of the others."
         )
         file.say("Y0932", (*path, "inertia"), message, remedy)
 
@@ -168,7 +169,7 @@ def _sized(file: TomlFile, path: Path, values: Sequence[float] | None, size: int
 def _shape(file: TomlFile, body: BodyTable, path: Path, folder: FilePath) -> Shape:
     if body.shape == "mesh":
         made = named_mesh(str(body.file), MM, (file, (*path, "file")), folder, body.pieces or 0)
-        assert made is not None  # the file existed when the form was checked
+        assert made is not None  # the check of the file's form has found this mesh
         return made
     return simple_shape(str(body.shape), body, MM)
 

@@ -1,8 +1,8 @@
 """Read a URDF with the lines of its elements, and check its tree of links and joints.
 
-Pinocchio builds a model from a URDF. For a bad file it reports only that the file is bad, and it ignores some
-mistakes silently (an axis without xyz is the zero vector, a second origin is ignored). All such mistakes are
-therefore found here first.
+Pinocchio builds a model from a URDF. For a bad file it reports only that the file is bad. It doesn't report
+some mistakes at all: an axis without xyz becomes the zero vector, and a second origin is ignored. All such
+mistakes are therefore found here first.
 """
 
 from __future__ import annotations
@@ -19,17 +19,17 @@ from yarclang.source import SourceFile
 from yarclang.toml.file import did_you_mean
 
 MOVING = ("revolute", "continuous", "prismatic")
-"""The joint types of a robot arm; in addition, `fixed` joins two links to one body."""
+"""The types of moving joints that an arm's chain can have."""
 UNARMED = ("planar", "floating")
 """Joint types that an arm's chain can't have; elsewhere in the file they are allowed."""
 
 _NAME = re.compile(r"[A-Za-z0-9_.\-]+")
 _ROOT = "universe"
-"""Name of Pinocchio's own joint above the root. A joint of this name in the file would be mistaken for it,
-and get its limits and place.
+"""Name of the joint that Pinocchio adds above the root. Pinocchio would mistake a joint of this name in the
+file for the added joint, and would give it the wrong limits and place.
 """
 MOST_LINKS = 1000
-"""The largest number of links of a file, and of joints."""
+"""The largest number of links in a file, and the largest number of joints."""
 
 
 @frozen
@@ -98,7 +98,7 @@ def _is_small(urdf: Urdf, root: Element) -> bool:
         elements = root.all(tag)
         if len(elements) > MOST_LINKS:
             message = f"The URDF has {len(elements):,} {tag}s, more than {MOST_LINKS:,}."
-            remedy = "Keep the links of the arm and what stands on them."
+            remedy = "Keep only the links of the arm and of the bodies on it."
             urdf.say("Y1341", message, remedy, elements[MOST_LINKS])
             return False
     return True
@@ -108,7 +108,10 @@ def _read_links(urdf: Urdf, root: Element) -> bool:
     links = root.all("link")
     if not links and root.tag == "robot":
         urdf.say(
-            "Y1342", "<robot> has no <link>.", "A robot needs a link for its base and one a joint.", root
+            "Y1342",
+            "<robot> has no <link>.",
+            "A robot needs a link for its base and one for each joint.",
+            root,
         )
     return _register(urdf, links, urdf.links, lambda link: link)
 
@@ -129,7 +132,7 @@ def _register(
         read: function that reads an element, and returns None if the element can't be read.
 
     Returns:
-        False if an element has no name of its own or can't be read.
+        False if an element has no name, a wrong name or the name of an earlier element, or can't be read.
     """
     sound = True
     first: dict[str, Element] = {}
@@ -142,7 +145,7 @@ def _register(
             message = f"The name \"{name[:40]}\" has letters that a robot's names can't have."
             urdf.say("Y1343", message, "Use ASCII letters, digits, and . _ - only.", element, "name")
         elif name == _ROOT and element.tag == "joint":
-            message = f"A joint has the name {_ROOT}, which readers of URDF give to what the root stands on."
+            message = f"A joint has the name {_ROOT}, which readers of URDF use for the joint above the root."
             urdf.say("Y1343", message, "Give the joint another name.", element, "name")
         elif name in first:
             line = bisect.bisect_right(urdf.starts, first[name].start)
@@ -183,7 +186,7 @@ def _read_joint(urdf: Urdf, joint: Element) -> Joint | None:
     upper = _limit(urdf, limit, "upper", required=False)
     if limit is not None and lower is not None and upper is not None and lower > upper:
         message = f"The lower limit of joint {name}, {lower:g}, is above the upper one, {upper:g}."
-        urdf.say("Y1316", message, "Exchange the two.", limit, "lower")
+        urdf.say("Y1316", message, "Swap the two.", limit, "lower")
     velocity = _limit(urdf, limit, "velocity", required=True)
     _limit(urdf, limit, "effort", required=True)
     _check_mimic(urdf, name, joint.first("mimic"))
@@ -193,7 +196,7 @@ def _read_joint(urdf: Urdf, joint: Element) -> Joint | None:
             _check_attributes(urdf, extra, needed)
     if len(urdf.findings) > before or not (ends[0] and ends[1] and xyz and rpy and direction):
         return None
-    unit = tuple(part / length for part in direction) if length else direction  # a fixed joint needs none
+    unit = tuple(part / length for part in direction) if length else direction  # a fixed joint needs no axis
     return Joint(name, kind, ends[0], ends[1], xyz, rpy, unit, lower, upper, velocity, joint)
 
 
@@ -216,7 +219,7 @@ def _check_attributes(urdf: Urdf, place: Element, keys: tuple[tuple[str, ...], t
         value = urdf.numbers(place, key, 1, None if key in needed else (0.0,))
         if value is not None and value[0] < 0.0 and key in ("damping", "friction"):
             message = f"The {key} of a joint is {value[0]:g}, but must not be negative."
-            urdf.say("Y1346", message, "Give it without a sign.", place, key)
+            urdf.say("Y1346", message, "Give a positive value.", place, key)
 
 
 def _check_mimic(urdf: Urdf, name: str, mimic: Element | None) -> None:
@@ -235,7 +238,7 @@ def turned(urdf: Urdf, origin: Element | None) -> tuple[float, ...] | None:
     """
     if origin is not None and "quat_xyzw" in origin.attributes:
         message = "The origin is turned by quat_xyzw, which older readers of URDF ignore."
-        urdf.say("Y1341", message, "Write the same turn as rpy.", origin, "quat_xyzw")
+        urdf.say("Y1341", message, "Write the same rotation as rpy.", origin, "quat_xyzw")
         return None
     return urdf.numbers(origin, "rpy", 3, (0.0, 0.0, 0.0))
 
@@ -279,7 +282,9 @@ def _check_tree(urdf: Urdf) -> bool:
     above: dict[str, Joint] = {}
     for joint in urdf.joints.values():
         if joint.child in above:
-            message = f"Link {joint.child} hangs on two joints, {above[joint.child].name} and {joint.name}."
+            message = (
+                f"Link {joint.child} is the child of two joints, {above[joint.child].name} and {joint.name}."
+            )
             remedy = "An arm is a tree: let one of the joints move another link."
             urdf.say("Y1348", message, remedy, joint.element.first("child") or joint.element, "link")
         above.setdefault(joint.child, joint)
@@ -287,11 +292,11 @@ def _check_tree(urdf: Urdf) -> bool:
         return False
     for loop in _loops(above):
         names = ", ".join(joint.name for joint in loop)
-        remedy = "Let the first of them hang on the base."
-        urdf.say("Y1350", f"The joints {names} go round in a circle.", remedy, loop[0].element)
+        remedy = "Attach the first of them to the base."
+        urdf.say("Y1350", f"The joints {names} form a circle.", remedy, loop[0].element)
     roots = [link for link in urdf.links if link not in above]
     for root in roots[1:]:
-        message = f"Link {root} hangs on no joint, and so does {roots[0]}: there must be one root."
+        message = f"Links {roots[0]} and {root} are both roots, children of no joint: there must be one root."
         urdf.say("Y1349", message, f"Add a joint whose child is {root}.", urdf.links[root], "name")
     return len(urdf.findings) == before
 

@@ -22,8 +22,8 @@ _SIZES = {
     "capsule": (("radius", 1), ("length", 1)),
 }
 _MOST_SHAPES = 1000
-"""The largest number of collision shapes of a file: each costs some ms wherever the robot is read, and every
-pair may collide.
+"""The largest number of collision shapes of a file. Each shape takes some ms every time the robot is read,
+and every pair of shapes has to be checked for collisions.
 """
 _INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
@@ -45,7 +45,7 @@ def check_shapes(urdf: Urdf, folder: Path) -> dict[str, list[str]]:
     bodies = [body for link in links for body in link.all("collision")]
     if len(bodies) > _MOST_SHAPES:
         message = f"The URDF has {len(bodies):,} collision shapes, more than {_MOST_SHAPES:,}."
-        remedy = "Keep few shapes for each link, or one mesh: its convex hull is what is checked."
+        remedy = "Use few shapes for each link, or one mesh, whose convex hull is checked."
         urdf.say("Y1341", message, remedy, bodies[_MOST_SHAPES])
         return shapes
     for link in links:
@@ -87,7 +87,7 @@ def _check_body(urdf: Urdf, link: Element, body: Element, folder: Path) -> str:
     origin, geometry = body.first("origin"), body.first("geometry")
     place = (urdf.numbers(origin, "xyz", 3, (0.0, 0.0, 0.0)), turned(urdf, origin))
     for material in body.all("material")[:1]:
-        if "name" not in material.attributes:  # an empty one, as CAD exports write it, does no harm
+        if "name" not in material.attributes:  # an empty name, as CAD exports write it, does no harm
             urdf.say("Y1342", "<material> has no name.", 'Write <material name="...">.', material)
         _check_color(urdf, material)
     subject = f"A <{body.tag}> of link {link.attributes.get('name', '')}"
@@ -156,7 +156,7 @@ def _check_mesh(urdf: Urdf, place: str, mesh: Element, folder: Path | None) -> s
         path, content = None, b""
     if not content:
         message = f"{place} has the mesh {name[:80]}, which {'is empty' if path else 'is not there'}."
-        remedy = "Put the file there; names are seen from the folder of the URDF."
+        remedy = "Put the file there; names are relative to the folder of the URDF."
         urdf.say("Y1357", message, remedy, mesh, "filename")
     return f"{scale} {hashlib.sha256(content).hexdigest()}"
 
@@ -190,7 +190,13 @@ def _check_materials(urdf: Urdf, root: Element) -> None:
         if not name:
             urdf.say("Y1342", "<material> has no name.", 'Write <material name="...">.', material)
         elif name in names:
-            urdf.say("Y1344", f"A second material {name[:40]}.", "Give one another name.", material, "name")
+            urdf.say(
+                "Y1344",
+                f"A second material {name[:40]}.",
+                "Give one of the two another name.",
+                material,
+                "name",
+            )
         elif material.first("color") is None and material.first("texture") is None:
             message = f"Material {name[:40]} has neither a color nor a texture."
             urdf.say("Y1342", message, 'Add <color rgba="0.5 0.5 0.5 1"/>.', material)

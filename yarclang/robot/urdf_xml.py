@@ -17,7 +17,9 @@ from yarclang.subjects import Subject
 
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _LARGEST, _LARGEST_LIMIT = 1e6, 1e30
-"""Bounds against overflow; files write large numbers for limits that don't exist."""
+"""Largest absolute values of numbers, which prevent overflow. The second applies to elements that state
+limits, where files write large numbers if there is no limit.
+"""
 _DEEPEST = 16
 _MOST_ELEMENTS = 100_000
 """The largest number of elements of a file, which allows a hundred for each of a thousand links."""
@@ -80,7 +82,8 @@ class UrdfText:
             attribute: one of the element's attributes, or empty for its tag.
             subject: the name that the finding is about.
         """
-        # names may contain line ends, or marks that change the writing direction on a terminal
+        # "?" replaces characters that would break the message on a terminal: line ends, and the invisible
+        # marks that change the writing direction
         message = "".join(one if one.isprintable() else "?" for one in message)
         start, end = place.start, place.end
         if attribute:
@@ -97,7 +100,7 @@ class UrdfText:
     def numbers(
         self, place: Element | None, attribute: str, count: int, default: Sequence[float] | None = None
     ) -> tuple[float, ...] | None:
-        """Return the numbers in an attribute of an element, or None with a finding.
+        """Return the numbers in an attribute of an element. If they are wrong, report it and return None.
 
         Args:
             place: the element. If it is None, the result is `default`.
@@ -172,18 +175,19 @@ def parse_xml(urdf: UrdfText) -> None:
         if tag.startswith("xacro:"):
             refuse(
                 f"<{tag}> is xacro, a language that writes URDF.",
-                "Run xacro and name the URDF that it writes.",
+                "Run xacro, and give the URDF that it writes.",
             )
         if len(stack) >= _DEEPEST:
             refuse(
-                f"Elements are nested more than {_DEEPEST} deep.", "A URDF needs no more than five levels."
+                f"Elements are nested more than {_DEEPEST} deep.",
+                "Nest them less deep: a URDF needs at most five levels.",
             )
         nonlocal count
         count += 1
         if count > _MOST_ELEMENTS:
             refuse(
                 f"The file has more than {_MOST_ELEMENTS:,} elements.",
-                "Keep the links of the arm and what stands on them.",
+                "Keep only the links of the arm and of the bodies on it.",
             )
         at = here()
         element = Element(tag, attributes, at, _tag_end(text, at))

@@ -25,7 +25,7 @@ from yarclang.transforms import constant
 Colour = tuple[float, float, float]
 
 STICK = 0.03
-"""Radius of the bars of `sticks`, as a share of the arm's length."""
+"""Radius of the bars of `sticks`, relative to the arm's length."""
 
 
 @frozen(eq=False)
@@ -84,8 +84,8 @@ def visual_shapes(robot: Robot) -> tuple[Visual, ...]:
 
 
 def sticks(robot: Robot) -> tuple[Visual, ...]:
-    """Return bars from {B} along the joints to the flange, as a picture of a robot whose links have no shapes
-    that can be drawn.
+    """Return bars from {B} along the joints to the flange. They are drawn for a robot whose links have no
+    shapes that can be drawn.
     """
     joints = joint_points(robot)
     if joints is None:

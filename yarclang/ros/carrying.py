@@ -26,16 +26,16 @@ Send = Callable[[Message], object]
 _ENDED = "Y1624"
 
 _AT_ONCE = 500
-"""Largest number of way-points of a goal that is converted to program text directly, within 1 ms. Longer
-goals are converted in a thread.
+"""Largest number of waypoints of a goal that the event loop converts to program text, which takes up to 1
+ms. Longer goals are converted in a thread.
 """
 
 
 class Carrying:
     """Connection between the motion link's state machine and the coordinator.
 
-    The door's client of the coordinator owns the robot from the planning of a goal until no goal waits any
-    more. Between goals, other clients may move the robot.
+    While there are goals, the door owns the robot: it takes the robot before it plans a goal, and releases
+    the robot after the last one. Between goals, other clients may move the robot.
 
     Args:
         robot: the robot.
@@ -43,7 +43,7 @@ class Carrying:
         say: prints a line on the terminal.
 
     Attributes:
-        seat: the client of the coordinator; None if the coordinator can't be reached.
+        seat: the door's client of the coordinator; None if the coordinator can't be reached.
     """
 
     def __init__(self, robot: Robot, link: MotionLink, say: Say) -> None:
@@ -78,7 +78,7 @@ class Carrying:
                     self._say(str(action.refusal))
                 case Told():
                     self._say(action.text)
-                case Move():  # the task that has planned the goal continues
+                case Move():  # the task that has planned the goal runs it, too
                     pass
         self._set_timer()
 
@@ -119,14 +119,15 @@ class Carrying:
         if moves and not isinstance(planned, Refusal) and seat is not None:
             took = asyncio.get_running_loop().time() - began
             if planned is None:
-                self._say(f"goal {goal.number}: the robot is there already")
+                self._say(f"goal {goal.number}: the robot is already at its last point")
                 failed = None
             else:
                 self._say(
                     f"goal {goal.number}: {len(goal.points)} points, {planned.duration_s:.3f} s, proved "
                     f"after {took:.3f} s; it begins"
                 )
-                # There must be no await between the last check for stops and this order.
+                # There must be no await between the last check for stops and this order: a stop during an
+                # await would come too late to prevent the motion.
                 failed = await self._run(planned, seat, goal)
             self.do(self._link.ended(goal.number, failed))
         await self._released(seat)
@@ -181,7 +182,7 @@ class Carrying:
 
 
 def _refused(goal: Goal, findings: tuple[Finding, ...]) -> Refusal:
-    """Return the first error that prevents a goal's program as a refusal of the goal."""
+    """Convert the first error of a goal's program to a refusal of the goal."""
     for one in findings:
         if one.severity == "error":
             return Refusal(one.code, f"goal {goal.number}: {one.message}", one.help or "")

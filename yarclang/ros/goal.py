@@ -10,37 +10,39 @@ from yarclang.robot.model import Array, Robot
 from yarclang.ros.motion import Goal
 
 START_WITHIN = 0.01
-"""Largest distance between the robot and a goal's first way-point at which this way-point counts as the
-robot's own position [rad or m], as in MoveIt's check.
+"""Largest distance of a joint from its position in a goal's first waypoint at which the robot counts as being
+at this waypoint [rad or m]. MoveIt's check has the same limit.
 """
 
 LEAD_SHARE = 0.5
-"""Largest share of the velocity and acceleration limits for the motion to a goal's first way-point, if the
-robot isn't there yet.
+"""Largest share of the velocity and acceleration limits for the motion to a goal's first waypoint, which is
+needed if the robot isn't at this waypoint.
 """
 
 _SHORTEST_LEAD = 0.1
-"""Shortest duration of the motion to the first way-point [s]."""
+"""Shortest duration of the motion to the first waypoint [s]."""
 
 _SINGLE = 1e-6
-"""Largest excess of a joint position over a limit that counts as rounding to single precision, relative to
-the limit (at least 1 rad or 1 m).
+"""Tolerance of joint limits, because ROS clients round joint positions to single precision. It is relative to
+the limit, or to 1 rad or 1 m if the limit is smaller.
 """
 
 _NEXT = ";\n      "
-"""Separator of way-points. Each way-point is on a line of its own, because the length of lines is limited."""
+"""Separator of waypoints. Each waypoint is on a line of its own, because the length of lines is limited."""
 
 _SAME = 1e-6
-"""Largest distance between the robot and a goal's only way-point at which no motion is needed [rad or m]."""
+"""If a goal has only one waypoint and no joint is farther from it than this, the robot doesn't move [rad or
+m].
+"""
 
 
 def timetable(robot: Robot, goal: Goal, stands: Array) -> tuple[Array, Array]:
-    """Return the way-points of a goal and the times from its start to each of them.
+    """Return the waypoints of a goal and the times from its start to each of them.
 
-    The duration of the first way-point isn't used, because ROS-Industrial's client node computes it from the
-    previous trajectory. If the robot is at the first way-point, this way-point is left out. Otherwise its
-    time is computed from the distance and the limits. Velocity ratios aren't used either, because different
-    motions have the same ratios.
+    The duration of the first waypoint isn't used, because ROS-Industrial's client node computes it from the
+    previous trajectory. If the robot is at the first waypoint, this waypoint is left out. Otherwise the
+    time to this waypoint is computed from the distance and the limits. The velocity ratios of waypoints
+    aren't used either, because they don't determine a motion.
 
     Args:
         robot: robot whose joints the goal names, in the order of robot.toml.
@@ -63,11 +65,11 @@ def timetable(robot: Robot, goal: Goal, stands: Array) -> tuple[Array, Array]:
 
 
 def goal_text(robot: Robot, positions: Array, times: Array) -> str:
-    """Return the program that moves through way-points at given times.
+    """Return the program that moves through waypoints at given times.
 
     Args:
         robot: robot that runs the program.
-        positions: (k, n) way-points with k >= 1 [rad or m].
+        positions: (k, n) waypoints with k >= 1 [rad or m].
         times: (k,) times since the start [s], increasing.
     """
     rows = (positions / robot.axis_units).tolist()
@@ -79,8 +81,8 @@ def goal_text(robot: Robot, positions: Array, times: Array) -> str:
 
 
 def _within(robot: Robot, positions: Array) -> Array:
-    """Clamp joint positions (k, n) to the robot's limits where they exceed a limit only by rounding to single
-    precision. Return all positions.
+    """Return joint positions (k, n), clamped to the robot's limits if they exceed a limit by at most
+    `_SINGLE`. Positions that exceed a limit by more are unchanged.
     """
     limits = robot.limits
     lower = limits.lower - _SINGLE * np.maximum(np.abs(limits.lower), 1.0)
@@ -91,8 +93,9 @@ def _within(robot: Robot, positions: Array) -> Array:
 
 
 def _lead(robot: Robot, away: Array) -> float:
-    """Return the duration of the motion to the first way-point [s]: of a polynomial of degree five from rest
-    to rest over the distance d. Its peak velocity is 1.875 d/T and its peak acceleration 5.774 d/T².
+    """Return the duration T of the motion to the first waypoint [s]. Each joint moves by a polynomial of
+    degree five from rest to rest. Over the distance d, its peak velocity is 1.875 d/T and its peak
+    acceleration 5.774 d/T².
     """
     limits = robot.limits
     by_velocity = 1.875 * away / (LEAD_SHARE * limits.velocity)

@@ -1,9 +1,9 @@
 """The motion link (the connection on which a ROS client sends goals) as a state machine. Its inputs are
 messages and times, its outputs are replies and orders. No I/O, no clock.
 
-Each way-point is answered at once, because ROS-Industrial's client node holds its lock while it waits for a
-reply, and a stop waits for that lock. The client ignores the content of the reply, and never marks the end of
-a streamed trajectory: a goal is complete after a pause without another way-point.
+Each waypoint is answered at once, because ROS-Industrial's client node holds its lock while it waits for a
+reply, and a stop waits for that lock. The client ignores the content of the reply. It never marks the end of
+a streamed trajectory, so a goal counts as complete after a pause without another waypoint.
 """
 
 from __future__ import annotations
@@ -24,17 +24,17 @@ from yarclang.ros.simple_message import (
 )
 
 PAUSE = 0.05
-"""Time without another way-point after which a streamed goal is complete [s]. ROS-Industrial's client node
-sends a way-point every 6 to 8 ms.
+"""Time without another waypoint after which a streamed goal is complete [s]. ROS-Industrial's client node
+sends a waypoint every 6 to 8 ms.
 """
 
 PATIENCE = 10.0
-"""Time for which an incomplete goal waits until its client reconnects, and for which a download waits for its
-next way-point [s].
+"""Time after which an incomplete goal is given up [s]: if its client has disconnected and doesn't reconnect,
+or if the next waypoint of a download doesn't arrive.
 """
 
 MOST_POINTS = 20_000
-"""Most way-points of one goal."""
+"""Largest number of waypoints of one goal."""
 
 _POINT = "Y1622"
 _SEQUENCE = "Y1623"
@@ -47,7 +47,7 @@ class Goal:
 
     Attributes:
         number: number of the goal on its connection, from 1.
-        points: way-points in order. The duration of the first way-point has no meaning.
+        points: waypoints in order. The duration of the first waypoint has no meaning.
         downloaded: True if the client marked the end of the goal; False if the goal was streamed.
     """
 
@@ -108,14 +108,14 @@ Action = Answer | Plan | Move | Stop | Hold | Refused | Told
 
 @dataclass(slots=True)
 class _Incoming:
-    """A goal whose way-points are being received.
+    """A goal whose waypoints are being received.
 
     Attributes:
         number: number of the goal.
         downloaded: True for a download, False for a stream.
-        points: way-points received so far.
-        due: time at which the goal is complete, or is given up [s]; None if no more way-points are expected.
-        complete: True if all way-points were received.
+        points: waypoints received so far.
+        due: time at which the goal is complete, or is given up [s]; None if no more waypoints are expected.
+        complete: True if all waypoints were received.
         cut: True if the client disconnected before the goal was complete.
     """
 
@@ -135,7 +135,7 @@ class MotionLink:
 
     Args:
         joints: number of the robot's joints; further joint slots of a message are 0.
-        pause: time without another way-point after which a streamed goal is complete [s].
+        pause: time without another waypoint after which a streamed goal is complete [s].
         patience: time for which an incomplete goal waits [s].
         hold_on_disconnect: True to hold the robot if its client disconnects during a motion; False to finish
             the goal.
@@ -165,9 +165,9 @@ class MotionLink:
         self._stopping = False
         self._last: TrajectoryPoint | None = None
         self._is_new = True
-        """True before the first point of this connection."""
+        """True until the first waypoint of this connection arrives."""
         self._rejects = False
-        """True while points are dropped until the next goal begins."""
+        """True while waypoints are dropped, until the next goal begins."""
 
     @property
     def due(self) -> float | None:
@@ -198,8 +198,9 @@ class MotionLink:
     def disconnected(self, now: float) -> list[Action]:
         """Handle the disconnection of the client.
 
-        An incomplete goal waits until the client reconnects and sends the way-point again that wasn't
-        answered. A running motion continues.
+        An incomplete goal waits until the client reconnects. The client then repeats the last waypoint, if
+        it got no reply to it. With `hold_on_disconnect` a running motion is held on its path, and a goal that
+        waits or is being planned is dropped. Without it, motion and goals continue.
         """
         incoming = self._incoming
         if incoming is not None and not incoming.complete:
@@ -207,15 +208,15 @@ class MotionLink:
         waiting = self._planning or (incoming.goal() if incoming is not None and incoming.complete else None)
         if waiting is not None and self._hold_on_disconnect:
             self._incoming = self._planning = None
-            return [Told(f"the motion client has gone: goal {waiting.number} is forgotten")]
+            return [Told(f"the motion client has disconnected: goal {waiting.number} is forgotten")]
         if self._moving is None or self._stopping:
             return []
         if self._hold_on_disconnect:
             return [
                 Hold(),
-                Told(f"the motion client has gone: goal {self._moving.number} is held on its path"),
+                Told(f"the motion client has disconnected: goal {self._moving.number} is held on its path"),
             ]
-        return [Told(f"the motion client has gone: goal {self._moving.number} goes on")]
+        return [Told(f"the motion client has disconnected: goal {self._moving.number} continues")]
 
     # messages
 
@@ -237,7 +238,7 @@ class MotionLink:
             case Ping():
                 taken, actions = True, []
             case FullPoint():
-                what = "a point with the derivatives of all joints (message 14) isn't understood"
+                what = "a point with the derivatives of all joints (message 14) isn't supported"
                 taken, actions = (
                     False,
                     self._refuse(_POINT, what, "use the stock nodes, which send message 11"),
@@ -261,7 +262,7 @@ class MotionLink:
         if incoming.cut:
             what = (
                 f"the connection ended within goal {incoming.number}, after {_counted(count)}, "
-                f"and the client didn't come back within {self._patience:g} s"
+                f"and the client didn't reconnect within {self._patience:g} s"
             )
             return self._refuse(_SEQUENCE, f"{what}: the goal is forgotten", _AGAIN)
         if incoming.downloaded:
@@ -278,12 +279,12 @@ class MotionLink:
         """Handle the end of planning.
 
         Args:
-            goal: the planned goal. If further way-points of the same trajectory have arrived meanwhile, it is
-                outdated.
+            goal: the planned goal. It is outdated if further waypoints of its trajectory have arrived during
+                planning.
             refusal: reason why the goal can't be run; None if it can.
 
         Returns:
-            A `Move`, unless the goal was refused, stopped or replaced meanwhile.
+            A `Move`, unless the goal was refused, or was stopped or replaced during planning.
         """
         if goal is not self._planning:
             return []
@@ -301,7 +302,7 @@ class MotionLink:
             refusal: reason why the robot isn't at the goal's end; None if it is.
 
         Returns:
-            A `Plan`, if another goal was received meanwhile.
+            A `Plan`, if another goal was received during the motion.
         """
         goal = self._moving
         if goal is None or goal.number != number:
@@ -319,7 +320,7 @@ class MotionLink:
     # points
 
     def _point(self, point: TrajectoryPoint, now: float) -> tuple[bool, list[Action]]:
-        """Handle a way-point. Return two values: True if the way-point belongs to a goal, and the
+        """Handle a waypoint. Return two values: True if the waypoint belongs to a goal, and the
         resulting actions.
         """
         if self._is_repeated(point):
@@ -337,14 +338,14 @@ class MotionLink:
         if self._rejects:
             return False, []
         if sequence < 0 and sequence != Sequence.END:
-            what = f"a point has the sequence {sequence}, which means nothing"
+            what = f"a point has the sequence {sequence}, which has no meaning"
             return False, self._refuse(
-                _SEQUENCE, what, "points count from 0; -1, -2, -3 and -4 have a meaning"
+                _SEQUENCE, what, "points count from 0; only -1, -2, -3 and -4 have a special meaning"
             )
         return self._goes_on(point, now)
 
     def _is_repeated(self, point: TrajectoryPoint) -> bool:
-        """Return True if a way-point is a repetition of the last one. The client sends a way-point again if
+        """Return True if a waypoint is a repetition of the last one. The client sends a waypoint again if
         the reply to it was lost with the connection.
         """
         if not self._is_new or self._last != point:
@@ -366,7 +367,7 @@ class MotionLink:
     def _goes_on(self, point: TrajectoryPoint, now: float) -> tuple[bool, list[Action]]:
         incoming = self._incoming
         if incoming is None and self._planning is not None and not self._planning.downloaded:
-            # The client was slow: the goal was taken for complete, but another point has come.
+            # The client was slow: the goal counted as complete, but has a further point.
             incoming = _Incoming(self._planning.number, downloaded=False, points=list(self._planning.points))
             if point.sequence == len(incoming.points):
                 self._planning, self._incoming = None, incoming
@@ -397,7 +398,7 @@ class MotionLink:
         return [
             Stop(),
             *self._stop_moving(),
-            *self._refuse(_SEQUENCE, what, "look why the client was slow, and send the goal again"),
+            *self._refuse(_SEQUENCE, what, "find out why the client was slow, then send the goal again"),
         ]
 
     def _added(self, incoming: _Incoming, point: TrajectoryPoint, now: float) -> tuple[bool, list[Action]]:
@@ -406,7 +407,7 @@ class MotionLink:
             return False, self._refuse(_POINT, f"goal {number}, point {place}: {fault[0]}", fault[1])
         if place >= MOST_POINTS:
             what = f"goal {number} has more than {MOST_POINTS} points"
-            return False, self._refuse(_SEQUENCE, what, "divide it, or plan it with fewer way-points")
+            return False, self._refuse(_SEQUENCE, what, "divide it, or plan it with fewer waypoints")
         incoming.points.append(point)
         incoming.complete = incoming.cut = False
         incoming.due = now + self._wait(incoming)
@@ -416,12 +417,12 @@ class MotionLink:
 
     def _fault(self, point: TrajectoryPoint, *, first: bool) -> tuple[str, str] | None:
         """Return the fault of a point and its remedy; None if the point has no fault."""
-        names = "look at controller_joint_names: it names the joints of robot.toml in their order"
+        names = "check controller_joint_names: it must name the joints of robot.toml in their order"
         for slot, value in enumerate(point.joints):
             if not math.isfinite(value):
                 return (
                     f"joint {slot + 1} is {value}",
-                    "look at the planner: a joint position is a number [rad or m]",
+                    "check the planner: a joint position is a finite number [rad or m]",
                 )
             if slot >= self._joints and value != 0.0:
                 return f"slot {slot + 1} of {SLOTS} is {value:g}, the robot has {self._joints} joints", names
@@ -435,7 +436,9 @@ class MotionLink:
     # goals
 
     def _completed(self) -> list[Action]:
-        """Plan a goal whose points are complete, or wait until the robot rests."""
+        """Plan a goal whose points are complete. If the robot still moves, the goal is planned later, when
+        the robot rests.
+        """
         incoming = self._incoming
         assert incoming is not None
         incoming.complete, incoming.due = True, None
@@ -465,7 +468,7 @@ class MotionLink:
         return self._refused(Refusal(code, what, help_))
 
     def _refused(self, refusal: Refusal) -> list[Action]:
-        """Drop the goal that is being received or planned, and ignore all way-points until the next goal
+        """Drop the goal that is being received or planned, and ignore all waypoints until the next goal
         begins.
         """
         self._incoming = self._planning = None

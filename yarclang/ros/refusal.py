@@ -8,8 +8,8 @@ from yarclang.findings import number_of
 from yarclang.runtime.actions import Trouble
 
 UNNAMED = 9999
-"""Error code of a refusal for which there is no finding, and so no finding's code. All numbers of findings
-are smaller.
+"""Error code of a refusal that isn't caused by a finding, and so has no finding's code. The numbers of all
+findings are smaller.
 """
 
 

@@ -1,5 +1,5 @@
-"""The sockets of the ROS door, in the event loop of the coordinator's task. One client moves the robot on the
-motion link, and many clients can receive the robot's state on the state link.
+"""The sockets of the ROS door. They are served in the event loop in which the coordinator runs. One client
+moves the robot on the motion link, and many clients can receive the robot's state on the state link.
 """
 
 from __future__ import annotations
@@ -51,11 +51,11 @@ _SILENT = 5.0
 """Time without a message of the coordinator after which positions aren't sent any more [s]."""
 
 _PIECE = 4096
-"""Most bytes that are read from one client at a time."""
+"""Largest number of bytes that are read from one client at a time."""
 
 _MOST_UNREAD = 1 << 16
-"""Most bytes that may wait for a client that doesn't read them. If there are more, its connection is
-closed.
+"""Largest number of bytes that may wait for a client that doesn't read them. If there are more, its
+connection is closed.
 """
 
 _SENT = 1 << 14
@@ -65,7 +65,7 @@ positions.
 
 _MOST_LISTENERS = 16
 _MOST_WAITING = 4
-"""Most clients on the motion link, including the one that may move the robot."""
+"""Largest number of clients on the motion link, including the one that may move the robot."""
 
 _SAME_TEXT = 5.0
 """Shortest time until the same line is printed again [s], because a rejected client reconnects repeatedly."""
@@ -121,7 +121,7 @@ class _Client(asyncio.BufferedProtocol):
             for message in self._decoder.feed(bytes(self._buffer[:nbytes])):
                 self._take(message)
         except FrameError as error:
-            self._door.say(f"[Y1621] {self.name} is sent away: {error}")
+            self._door.say(f"[Y1621] {self.name} is disconnected: {error}")
             self.close()
 
     def connection_lost(self, exc: Exception | None) -> None:  # noqa: ARG002  (asyncio's signature)
@@ -136,7 +136,7 @@ class _Client(asyncio.BufferedProtocol):
         if self._transport is None or self._transport.is_closing():
             return
         if self._transport.get_write_buffer_size() > _MOST_UNREAD:
-            self._door.say(f"{self.name} is sent away: it doesn't read")
+            self._door.say(f"{self.name} is disconnected: it doesn't read what it is sent")
             self._transport.abort()
             return
         self._transport.write(frames)
@@ -148,7 +148,7 @@ class _Client(asyncio.BufferedProtocol):
 
     @property
     def has_gone(self) -> bool:
-        """True if the other side has closed the connection, even if this wasn't handled yet."""
+        """True if the other side has closed the connection, even if asyncio hasn't reported this yet."""
         if self._transport is None or self._transport.is_closing():
             return True
         with socket.socket(fileno=os.dup(self._transport.get_extra_info("socket").fileno())) as wire:
@@ -261,7 +261,7 @@ class _Door:
             self._carrying.do(self._link.heard(message, now), client.send)
         elif message.comm is not Comm.REPLY:
             self.say(
-                f"[Y1625] {client.name} is sent away: {self._movers[0].name} moves the robot; one "
+                f"[Y1625] {client.name} is disconnected: {self._movers[0].name} moves the robot; one "
                 f"client at a time can"
             )
             if message.comm is Comm.REQUEST:
@@ -277,7 +277,7 @@ class _Door:
     def listener_came(self, client: _Listener) -> None:
         """Begin to send the state to a client."""
         if len(self.listeners) >= _MOST_LISTENERS:
-            self.say(f"{client.name} is sent away: {_MOST_LISTENERS} clients are on the state link already")
+            self.say(f"{client.name} is disconnected: the state link already has {_MOST_LISTENERS} clients")
             client.close()
             return
         self.listeners.add(client)
@@ -320,7 +320,7 @@ class _Door:
             with contextlib.suppress(Trouble):
                 if self._carrying.seat is None:
                     await self.start()
-                    self.say(f"the coordinator of {self._robot.name} is there again")
+                    self.say(f"the coordinator of {self._robot.name} is back")
                 await self._hear()
             if self._carrying.seat is not None:
                 self.say(
@@ -392,7 +392,7 @@ async def served(
     """
     if robot.size > SLOTS:
         what = f"{robot.name} has {robot.size} joints, and simple_message has room for {SLOTS}"
-        raise Trouble(what, "use another way to move it", "")
+        raise Trouble(what, "move it by another interface", "")
     loop = asyncio.get_running_loop()
     with contextlib.ExitStack() as wires:
         motion, state = (

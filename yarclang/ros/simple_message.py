@@ -28,9 +28,9 @@ class ByteOrder(Enum):
     """Order of the bytes in a word. The values are those of the module `struct`."""
 
     LITTLE = "<"
-    """Order of the stock nodes on usual computers."""
+    """Byte order of ROS-Industrial's standard nodes on usual computers."""
     BIG = ">"
-    """Order of the nodes whose names end with _bswap."""
+    """Byte order of ROS-Industrial's nodes whose names end with _bswap."""
 
     @property
     def other(self) -> ByteOrder:
@@ -91,13 +91,13 @@ class JointPosition:
 
 @dataclass(frozen=True, slots=True)
 class TrajectoryPoint:
-    """Content of a message: one way-point of a trajectory.
+    """Content of a message: one waypoint of a trajectory.
 
     Attributes:
         sequence: index in the trajectory from 0, or one of `Sequence`.
         joints: (10,) positions [rad or m].
         velocity: share of the velocity limit for the fastest joint; 0.1 if the trajectory has no velocities.
-        duration: time since the previous way-point [s]; without meaning for the first way-point.
+        duration: time since the previous waypoint [s]; without meaning for the first waypoint.
     """
 
     sequence: int
@@ -133,13 +133,13 @@ class RobotStatus:
 
 @dataclass(frozen=True, slots=True)
 class FullPoint:
-    """Content of a message: a way-point with the derivatives of all joints. ROS-Industrial's nodes don't send
+    """Content of a message: a waypoint with the derivatives of all joints. ROS-Industrial's nodes don't send
     it.
 
     Attributes:
         robot: number of a group of joints.
         sequence: index in the trajectory from 0, or one of `Sequence`.
-        valid: sum of flags for the fields that are valid: 1 time, 2 positions, 4 velocities, 8 accelerations.
+        valid: sum of the flags of the valid fields: 1 time, 2 positions, 4 velocities, 8 accelerations.
         time: time since the start of the trajectory [s].
         positions: (10,) positions [rad or m].
         velocities: (10,) velocities [rad/s or m/s].
@@ -222,7 +222,9 @@ _LONG_REALS = {_HEADER + 4 * 4 + 8 * 12: TrajectoryPoint.kind, _HEADER + 4 + 8 *
     _HEADER + 4 + 8 * 12: TrajectoryPoint.kind,
     _HEADER + 3 * 4 + 8 * 31: FullPoint.kind,
 }
-"""Lengths of frames with 8-byte real numbers, by kind of message."""
+"""Kinds of messages by the length that their frame has if the client sends 8-byte real numbers. Such frames
+are refused with a hint.
+"""
 
 
 def encode(message: Message, order: ByteOrder = ByteOrder.LITTLE) -> bytes:
@@ -243,8 +245,8 @@ def encode(message: Message, order: ByteOrder = ByteOrder.LITTLE) -> bytes:
 
 
 class Decoder:
-    """Decoder of messages from a stream of bytes, which may be split anywhere. It stores less than one frame
-    and the last input.
+    """Decoder of messages from a stream of bytes, which may be split anywhere. It stores at most the last
+    input and an incomplete frame.
 
     Args:
         order: order of the bytes.
@@ -290,7 +292,7 @@ class Decoder:
         if _HEADER <= other <= MOST:
             swap = "with" if self._order is ByteOrder.LITTLE else "without"
             return (
-                f"the bytes of each word come in the other order: the length reads {length}, the other "
+                f"the bytes of each word arrive in the other order: the length reads {length}, the other "
                 f"way round {other}; "
                 f"start `yarc ros` {swap} --swap-bytes"
             )

@@ -41,17 +41,11 @@ class Feedback:
         self._joints: Array | None = None
         self._heard = 0.0
         self._moves = False
-        self._count = 0
 
     @property
     def state(self) -> State:
         """Last known state of the robot."""
         return self._state
-
-    @property
-    def positions(self) -> int:
-        """Number of position reports received so far. If it hasn't changed, there is nothing new to send."""
-        return self._count
 
     def hear(self, event: events.BaseEvent) -> None:
         """Update the state from an event of the coordinator."""
@@ -101,15 +95,14 @@ class Feedback:
         return Message(Comm.TOPIC, body)
 
     def _place(self, joints: Array, time: float) -> None:
-        """Store the joint positions (n,) [rad or m] at a time of the session [s]. From the previous positions
-        and their time, decide whether a joint moves.
+        """Store the joint positions (n,) [rad or m] at a time of the session [s], and decide if a joint
+        moves, from its change since the previous positions.
         """
         before, passed = self._joints, time - self._heard
         if before is not None and passed > 0.0:
             speed = np.abs(joints - before) / passed
             self._moves = bool((speed > STANDS * self._robot.limits.velocity).any())
         self._joints, self._heard = joints, time
-        self._count += 1
 
     def _powered(self) -> int:
         health = self._health

@@ -98,11 +98,14 @@ class Told:
 class Replan:
     """Plan and prove a part of the program again at run time.
 
-    This part is what follows a motion that an input has ended (a search), or the lines of an OFFSET. Answered
-    by `Replanned`, by the reason why planning fails (str), or by None if the controller text runs without its
-    program. `begins` is the program time at which the search motion, or the first motion of the OFFSET,
-    begins [s]. `joints` (n,) is the robot's position [rad or m]. `values` are the values of the OFFSET's
-    registers, one for each of `SHIFTS`; None after a search.
+    The part is either what follows a search (a motion that an input ends), or the lines of an OFFSET.
+    Answered by `Replanned`, by the reason why planning fails (str), or by None if the program isn't known
+    because only its controller text is executed.
+
+    Attributes:
+        begins: program time at which the search motion, or the first motion of the OFFSET, begins [s].
+        joints: (n,) position of the robot [rad or m].
+        values: values of the OFFSET's registers, one for each of `SHIFTS`; None after a search.
     """
 
     begins: float
@@ -110,7 +113,7 @@ class Replan:
     values: tuple[int, ...] | None = None
 
 
-PROGRAM_UNKNOWN = "only the program says what follows, and the text was run without it"
+PROGRAM_UNKNOWN = "what follows is known only from the program, and the text was run without it"
 """Reason to refuse an action that needs planning, if the program isn't known."""
 
 
@@ -118,9 +121,9 @@ PROGRAM_UNKNOWN = "only the program says what follows, and the text was run with
 class Replanned:
     """The replanned jobs, and the distance covered by a search.
 
-    `jobs` are streamed instead of the next legs, up to the first leg whose end position doesn't depend on the
-    search or the OFFSET. `length` is the distance of the moving frame, where the input has ended the search,
-    from the start of the search [m]; 0 for a joint motion and for an OFFSET.
+    The runtime streams `jobs` instead of the legs that come next. The last of these jobs ends where the end
+    position no longer depends on the search or the OFFSET. `length` is the distance that the moving frame has
+    covered from the start of the search to its end [m]; 0 for a joint motion and for an OFFSET.
     """
 
     jobs: tuple[Job, ...]
@@ -128,8 +131,8 @@ class Replanned:
 
 
 Action: TypeAlias = Any
-"""What a script may yield: `Wait`, `Connect`, `Keep`, `Teach`, `Replan`, or a request of the controller's
-kind (`yarclang.runtime.scripts.Exchange`).
+"""What a script may yield: `Wait`, `Connect`, `Keep`, `Teach`, `Replan`, or a request to this kind of
+controller (`yarclang.runtime.scripts.Exchange`).
 """
 Outcome: TypeAlias = Any
 """What a script receives: `Connected`, `Unreachable`, None after a wait, or the result of a request."""
@@ -168,12 +171,14 @@ class Trouble(Exception):  # noqa: N818 - an event that scripts unwind for
 
 
 class Found(Exception):  # noqa: N818 - an event that scripts unwind for
-    """The input that ends a motion early has the wanted value, and the motion is held."""
+    """Raised when an input that ends the motion early has its wanted value. The run then brings the robot to
+    rest on the path.
+    """
 
 
 class Left(Exception):  # noqa: N818 - an event that scripts unwind for
     """Raised when a person resumes after an input has held the motion, and the robot is to retreat instead of
-    continuing: `way` is the name of the SUB that leads away.
+    continuing. `way` is the name of the SUB by which it retreats.
     """
 
     def __init__(self, way: str) -> None:

@@ -17,9 +17,13 @@ Verdict = Literal["ok", "warning", "error"]
 class Item:
     """A setting that the controller must have.
 
-    `question` is sent to the controller. `wanted` is the expected answer, which is compared according to
-    `kind`: as a number, by its bits (all wanted bits are set), as an axis definition, as the address of an
-    M-variable, or as the listing of a program.
+    Attributes:
+        subject: the setting, in words.
+        question: the line that asks the controller for the setting.
+        wanted: the expected answer.
+        kind: how answers are compared: as a number, by its bits (all wanted bits are set), as an axis
+            definition, as the address of an M-variable, or as the listing of a program.
+        remedy: what to do if the answer differs.
     """
 
     subject: str

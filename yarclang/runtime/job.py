@@ -17,10 +17,18 @@ from yarclang.robot.model import Array, Robot
 
 @dataclass(frozen=True, slots=True)
 class JobCommand:
-    """A motion command and its time of execution, from `begins` to `ends` [s of program time].
+    """A motion command and its time of execution.
 
-    `clock` is the latest time at which the command begins, apart from waits of unknown length [s]. It differs
-    from `begins`, which counts both branches of each WHEN, one after the other, although only one is taken.
+    Program time counts both branches of each WHEN, one after the other.
+
+    Attributes:
+        index: the command's label, such as P0010; may be empty.
+        name: the command's name.
+        source_line: line of the command in the program's source.
+        begins: program time at which the command begins [s].
+        ends: program time at which the command ends [s].
+        clock: latest time after the start of the program at which the command begins, apart from waits of
+            unknown length [s]. It counts only the longer branch of each WHEN.
     """
 
     index: str
@@ -37,7 +45,7 @@ class JobCommand:
 
 
 def clock_at(commands: Sequence[JobCommand], time: float) -> float:
-    """Return the latest time [s] at which a run reaches a program time, apart from waits of unknown length.
+    """Return the time [s] that a run needs at most to reach a program time, without waits of unknown length.
 
     Args:
         commands: the motions of the program.
@@ -49,16 +57,24 @@ def clock_at(commands: Sequence[JobCommand], time: float) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Barrier:
-    """The barrier between two legs of a program, which are streamed separately. There the robot waits for an
-    input or the operator, or branches of the program divide or join.
+    """The barrier between two legs of a program, which are streamed separately. At a barrier the robot waits
+    for an input or the operator, or branches of the program divide or join.
 
-    `kind` is wait, hold, when, else, end, loop, next, exit, endloop, set, say, stop or abort. A wait compares
-    `variable` with `value`. `name` is the input's name, or the text for the operator; `label` and
-    `source_line` are those of the command. `timeout` is in s. `decided` is the condition of a `when`, or of a
-    wait without `variable`; if `again` is True, the condition is evaluated with the values that the last
-    `when` has read. For a `set`, `decided` is the number that `register` or `output` gets. `word` is the
-    command's name; for a `when` inside a CASE, it is OF. `offset` is the frame that is shifted in the first
-    branch of a `when`.
+    Attributes:
+        kind: wait, hold, when, else, end, loop, next, exit, endloop, set, say, stop or abort.
+        variable: variable of the input for which a wait waits.
+        value: value of `variable` that ends a wait.
+        timeout: time limit of a wait [s]; None without a limit.
+        name: name of the input, or text for the operator.
+        label: label of the command.
+        source_line: line of the command in the program's source.
+        decided: condition of a `when`, or of a wait without `variable`; for a `set`, the number that
+            `register` or `output` gets.
+        again: True if the condition is evaluated with the values that the last `when` has read.
+        register: register that a `set` changes.
+        word: name of the command; OF for a `when` inside a CASE.
+        output: output that a `set` changes.
+        offset: frame that is shifted in the first branch of a `when`.
     """
 
     kind: str
@@ -88,12 +104,17 @@ class Part:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Leg:
-    """A leg of a program: the lines that are streamed up to a barrier, and the barrier at their end (None:
-    the program's end).
+    """A leg of a program: the lines that are streamed up to a barrier, and this barrier.
 
-    `job` is None if the leg has no lines. `ends` is the time at which the leg ends [s of the job], counting
-    both branches of each WHEN, one after the other. `clock` is the latest time at which it ends, counting
-    only the longer branch of each WHEN passed before. Neither counts waits of unknown length.
+    `ends` and `clock` don't include waits of unknown length.
+
+    Attributes:
+        job: the lines; None if the leg has none.
+        barrier: barrier at the end of the leg; None at the program's end.
+        ends: time at which the leg ends [s of the job], counting both branches of each WHEN, one after the
+            other.
+        clock: latest time at which the leg ends [s], counting only the longer branch of each WHEN passed
+            before.
     """
 
     job: Job | None
@@ -112,8 +133,8 @@ class Job:
         lines: lines of the motion that are sent to the controller, in order.
         times: (len(lines),) program time of each line [s]: the time at which the motion towards the line's
             point begins, or at which its dwell begins. A line that takes no time has the time of the next
-            line that takes some. Program time counts motions and dwells,
-            and both branches of each WHEN, one after the other.
+            line that takes some. Program time counts motions and dwells, and both branches of each WHEN, one
+            after the other.
         commands: the motions, in order.
         start: (n,) position where the program starts [rad or m].
         end: (n,) position where the program ends [rad or m].
@@ -128,9 +149,9 @@ class Job:
         offset: program time at which this job begins, if it is only a part of a program [s].
         clock: latest time at which this job begins apart from waits of unknown length, counting only the
             longer branch of each WHEN passed before [s].
-        behind: time from the end of this leg to the end of the program along the longest branches, apart from
+        behind: time from the end of this job to the end of the program along the longest branches, apart from
             waits of unknown length [s].
-        lasting: duration of the program, including the number of its waits.
+        lasting: shortest and longest duration of the program, and the numbers of its waits.
         outputs: variables of outputs, and their values at any stop, hold or fault.
         sets: for each line that sets a variable: row in `lines`, variable, value.
         dwells: for each line with a dwell: row in `lines`, duration [s].
@@ -141,7 +162,7 @@ class Job:
         watches: inputs that hold the motion while they have a certain value.
         searches: for a program, the motions that inputs end.
         search: for a leg, the motion that an input ends.
-        own: additional data that only the controller's kind uses.
+        own: additional data that only the robot's kind of controller uses.
     """
 
     name: str
@@ -181,7 +202,9 @@ class Job:
 
     @property
     def fits(self) -> bool:
-        """Return True if all lines fit into the controller's buffer, and are loaded before the job begins."""
+        """Return True if the controller's buffer has room for all lines, so that all are loaded before the
+        job begins.
+        """
         return len(self.lines) <= self.capacity
 
     @property

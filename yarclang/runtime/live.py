@@ -9,7 +9,7 @@ from yarclang.robot.model import Array
 from yarclang.runtime.job import Job
 
 MADE_ON_THE_WAY = "live motion: its lines were made on the way"
-"""First comment of a live motion's text, which has no lines."""
+"""First comment in the controller text of a live motion. The text doesn't contain the lines of the motion."""
 
 
 class Source(Protocol):
@@ -20,7 +20,7 @@ class Source(Protocol):
 
     @property
     def end(self) -> Array:
-        """Return the joint positions at the end of the lines so far (n,) [rad or m]."""
+        """Return the joint positions (n,) at the end of the last line that was returned so far [rad or m]."""
 
     def more(self, now: float, count: int) -> tuple[str, ...]:
         """Return the next lines of the motion.
@@ -42,9 +42,11 @@ class Source(Protocol):
 class Live:
     """A live motion, ready to be streamed.
 
-    `job` has the robot, the setup of the controller and the start position, but no lines. `opening` has the
-    lines before the first move, `lead` is the number of lines to keep ahead of the execution, and `source`
-    generates the lines.
+    Attributes:
+        job: the robot, the setup of the controller and the start position, but no lines.
+        opening: lines before the first move.
+        lead: number of lines that the buffer has to be ahead of the execution.
+        source: generator of the lines.
     """
 
     job: Job

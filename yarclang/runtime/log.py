@@ -33,16 +33,16 @@ FOLDER = Path("yarc-runs")
 """Folder of logs if the user names none."""
 
 FLUSH_EACH = 0.5
-"""Time between two flushes of the log to its file [s]. A process that is killed loses at most the messages of
-this time.
+"""Time between two flushes of the log to its file [s]. If the process is killed, at most the messages since
+the last flush are lost.
 """
 
 _LONGEST_CLOSE = 10.0
 """Longest time to wait for a slow disk when the log is closed [s]."""
 
 _LONGEST_STEM = 50
-"""Longest stem of the log's file name [characters]. With four bytes per character, a name may have 255
-bytes.
+"""Longest stem of the log's file name [characters]. A file name may have 255 bytes, and a character takes up
+to four of them.
 """
 
 
@@ -169,27 +169,29 @@ class RunLog:
     def problem(self) -> str:
         """Return the fault of the log, as a sentence without a full stop; empty if there is none."""
         if self.loss:
-            return f"the log is lost: {self.path} {self.loss}"
+            return f"the run log can't be used any more: {self.path} {self.loss}"
         return "" if self.failure is None else f"the log can't be written: {self.failure}"
 
     @property
     def remedy(self) -> str:
         """Return what a person should do about `problem`."""
         return (
-            "keep the folder of the log as it is during a run, or choose another one with --log PATH"
+            "don't change the folder of the log during a run, or choose another one with --log PATH"
             if self.loss
             else "make room on the disk"
         )
 
     def close(self, ended: Ended | None = None) -> None:
-        """Write the rest of the log, and the outcome of the run. May be called again, and after a failure."""
+        """Write all notices that aren't written yet and the outcome of the run, and close the file. May be
+        called again, and after a failure.
+        """
         if ended is not None:
             self._put(ended)
         self._queue.put(None)
         written = -1
         while self._thread.is_alive() and self.failure is None:
             if written == self._written:
-                self.failure = f"the disk hasn't answered for {_LONGEST_CLOSE:g} s"
+                self.failure = f"the disk hasn't responded for {_LONGEST_CLOSE:g} s"
                 return
             written = self._written
             self._thread.join(_LONGEST_CLOSE)
@@ -206,13 +208,13 @@ class RunLog:
         try:
             status = self.path.stat()
         except (FileNotFoundError, NotADirectoryError):
-            return "isn't there any more; it was removed or moved during the run"
+            return "doesn't exist any more; it was removed or moved during the run"
         except OSError as error:
-            return f"can't be looked at: {(error.strerror or str(error)).lower()}"
+            return f"can't be read: {(error.strerror or str(error)).lower()}"
         if not os.path.samestat(status, self._made):
-            return "is another file now; the log was removed or moved during the run"
+            return "is a different file now; the log was removed or moved during the run"
         if stat.S_ISREG(status.st_mode) and status.st_size < size:
-            return f"was cut during the run: {status.st_size:,} of {size:,} bytes are left"
+            return f"was truncated during the run: {status.st_size:,} of {size:,} bytes are left"
         return ""
 
     def __enter__(self) -> RunLog:
@@ -225,7 +227,7 @@ class RunLog:
         if self.failure is None:
             self._queue.put(item)
 
-    # in the thread
+    # methods that run in the log's thread
 
     def _work(self) -> None:
         """Write notices until the log is closed, or until the file can't be written."""
@@ -234,7 +236,7 @@ class RunLog:
                 self._write_all()
             self._writer.finish()  # type: ignore[no-untyped-call]  # the library's
             self._stream.flush()
-            # While the file is open, no other file can have its inode number.
+            # check before the file is closed: as long as it is open, no other file can have its inode number
             self.loss = self.lost(self._stream.tell())
             self._stream.close()
         except OSError as error:
@@ -269,7 +271,7 @@ class RunLog:
         with contextlib.suppress(OSError):
             self._stream.close()
         if self._on_failure is not None:
-            # The listener may have ended meanwhile, and then raises RuntimeError.
+            # if the listener's event loop has ended, it raises RuntimeError
             with contextlib.suppress(RuntimeError):
                 self._on_failure(reason)
 
@@ -280,7 +282,7 @@ def _create(place: Path | None, program: str, wall: int) -> tuple[Path, BinaryIO
         stem = re.sub(r"[^\w.+-]+", "_", PurePath(program).stem).strip("_.")[:_LONGEST_STEM] or "program"
         started = datetime.fromtimestamp(wall / 1e9).astimezone()
         place = (place or FOLDER) / f"{stem}-{started:%Y%m%d-%H%M%S}.mcap"
-    if place.exists() and not place.is_file():  # a device
+    if place.exists() and not place.is_file():  # a device, such as /dev/null
         return place, place.open("wb")
     place.parent.mkdir(parents=True, exist_ok=True)
     for number in count(1):

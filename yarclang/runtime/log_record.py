@@ -1,7 +1,7 @@
 """Content of a run's log: its attachments, its channels, and the conversion of notices to messages. No I/O.
 
-The name of each number in a message ends in its unit. Times `time_s` count from the log's start, in the clock
-of the notices.
+The name of each number in a message ends in its unit. Times `time_s` are those of the notices' clock, counted
+from the start of the log.
 """
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ job.
 """
 
 _DIGITS = 7
-"""Decimals of joint positions [deg or mm] and of times [s] in the log: far finer than an encoder count and
-the duration of one exchange with the controller.
+"""Decimals of joint positions [deg or mm] and of times [s] in the log. This resolution is far finer than an
+encoder count, and than the duration of an exchange with the controller.
 """
 
 
@@ -58,14 +58,14 @@ class Anchor:
 
 @dataclass(frozen=True, slots=True)
 class Begun:
-    """Record that this job is performed from now on."""
+    """Log entry: `job` is performed from now on."""
 
     job: Job
 
 
 @dataclass(frozen=True, slots=True)
 class Ordered:
-    """An order of a person, at a time of the notices' clock [s]."""
+    """Log entry: a person has given an order, at a time of the notices' clock [s]."""
 
     time: float
     order: Order
@@ -184,7 +184,7 @@ class Record:
         }
 
     def _begun(self, job: Job) -> dict[str, Any]:
-        # An approach has its own text; a part of the program has the program's text.
+        # An approach has a name and a source of its own; a part of the program has those of the program.
         belongs = (job.name, job.source) == (self._job.name, self._job.source)
         return {
             "job": job.name,
@@ -218,7 +218,7 @@ _COUNTS = {"type": "array", "items": _NUMBER}
 
 
 def _schemas(robot: Robot) -> dict[str, dict[str, Any]]:
-    """Return for each topic the JSON properties of its messages."""
+    """Return the JSON properties of the messages of each topic, by topic."""
     joints = {"type": "object", "properties": dict.fromkeys(_joint_keys(robot), _NUMBER)}
     return {
         "positions": {

@@ -26,7 +26,8 @@ TRANSFORMS, BODIES = "transforms", "robot"
 SCENE_TOPICS = frozenset({TRANSFORMS, BODIES})
 
 EACH = 0.1
-"""Least time between two messages of frames [s]. Between them, a viewer interpolates."""
+"""Shortest time between two messages with the robot's frames [s]. Viewers interpolate between the messages.
+"""
 
 _LARGEST_MESH, _LARGEST_MESHES = 1 << 21, 1 << 23
 """Largest mesh file that a log contains, and largest total of all mesh files [bytes]."""
@@ -115,8 +116,8 @@ class LoggedScene:
 def _joint_frames(robot: Robot) -> Array:
     """Return the frames of the base and of the joints with all joints at zero, as (n + 1, 4, 4) matrices [m].
 
-    The origin of each frame is the point of the joint's axis nearest to {B}'s origin; for a sliding joint, it
-    is the origin of the frame before.
+    The origin of each frame is the point of the joint's axis nearest to {B}'s origin; for a sliding joint,
+    the origin is that of the previous frame.
     """
     frames = np.tile(np.eye(4), (robot.size + 1, 1, 1))
     for joint, screw in enumerate(robot.chain.screws, 1):
@@ -230,7 +231,7 @@ def _list(items: dict[str, Any]) -> dict[str, Any]:
 
 
 def scene_schemas() -> dict[str, tuple[str, dict[str, Any]]]:
-    """Return for each topic the name of Foxglove's schema, and a JSON schema."""
+    """Return the name of Foxglove's schema and a JSON schema for each topic, by topic."""
     instant = {"sec": {"type": "integer"}, "nsec": {"type": "integer", "minimum": 0, "maximum": 999_999_999}}
     time, duration = _object("time", **instant), _object("duration", **instant)
     vector = _object("foxglove.Vector3", **dict.fromkeys("xyz", _NUMBER))

@@ -26,8 +26,11 @@ class Question:
 class Wanted:
     """Values that the program accepts from other programs while it waits.
 
-    `number` counts the requests for values; `place` is the command at which the program waits. `registers`
-    may be filled, each within `low` and `high`; a message must contain all registers in `needed`.
+    Attributes:
+        number: number of this request for values, counted over the run.
+        place: the command at which the program waits.
+        registers: registers that a message may fill, each with its smallest and its largest value.
+        needed: registers that each message must contain.
     """
 
     number: int
@@ -38,7 +41,9 @@ class Wanted:
 
 @dataclass(frozen=True, slots=True)
 class ValuesWanted:
-    """Notice that the program accepts values from other programs from now on, or, if None, no longer."""
+    """Notice that the program accepts values from other programs from now on. If `wanted` is None, it accepts
+    none any more.
+    """
 
     time: float
     wanted: Wanted | None
@@ -62,11 +67,15 @@ class Changed:
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """Progress of the program: `done` is the time of the motions and dwells so far [s], `left` the time of
-    those to come at the present override [s], and `command` the present command.
+    """Progress of the program. If the program has branches, times follow the longer branch. Waits of unknown
+    length don't count.
 
-    If the program has branches, `done` and `left` follow the longer branch. Waits of unknown length don't
-    count.
+    Attributes:
+        time: time of the notice [s].
+        done: time of the motions and dwells so far [s].
+        left: time of the motions and dwells to come, at the present override [s].
+        command: the present command.
+        source_line: line of this command in the program's source.
     """
 
     time: float
@@ -89,7 +98,7 @@ class Remark:
 @dataclass(frozen=True, slots=True)
 class Reached:
     """Notice that the robot stands at a command that waits for an input or the operator. The command is
-    written as P0020, inside a loop or call as P0020(I=2)>P0010.
+    written as P0020; inside a loop or a call as P0020(I=2)>P0010.
     """
 
     time: float

@@ -2,11 +2,12 @@
 notices. No I/O.
 
 The driver of a script sets `now` before each step. Orders wait here until the script handles them. The
-questions to the controller are in the package of its kind.
+questions that scripts ask are in the package of their kind of controller, beside this module.
 """
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Sequence
 from typing import Protocol
@@ -35,7 +36,17 @@ URGENT = (Hold, Stop, Abort, Fail)
 """Orders that are handled as soon as the awaited reply has come."""
 
 LONGEST_SLEEP = 10.0
-"""Longest time for which this process may be suspended so that a motion still continues by itself [s]."""
+"""Longest suspension of this process after which a motion continues by itself [s]. After a longer one, the
+motion is held until a person resumes it.
+"""
+
+WAKING = 1.0
+"""Time after a long suspension in which orders to continue don't count [s]: they were given before or during
+the suspension, when nobody could see their effect.
+"""
+
+UNATTENDED = "the robot was unattended meanwhile: inspect it, then continue with Enter or `yarc resume`"
+"""Remark after a long suspension of this process."""
 
 POSITIONS_EACH = 0.04
 """Time between two position queries [s]: 25 Hz, unless someone wants them more often."""
@@ -74,12 +85,13 @@ class Operation:
         notices: notices to be sent, oldest first; the sender removes them.
         watch: kinds of orders that interrupt a script at its next request, so that a stop waits for at most
             one reply.
-        override: requested override, 1 at 100 %; it stays from one job to the next.
+        override: requested override; 1 means 100 %. It applies to all later jobs, too.
         longest_sleep: a jump of the clock by more than this [s] means that this process was suspended.
         slept: size of such a jump [s]; 0 once it was handled.
+        woke: time of the last such jump [s].
         positions_each: time between two position queries [s], if the connection is fast enough.
         silence: longest silence of this computer before its controller holds the motion [s].
-        wanted_silence: the same time as chosen by a person [s]; None if nobody has chosen it.
+        wanted_silence: value of `silence` that a person has chosen [s]; None if nobody has.
         slowest: duration of the slowest reply since the last inspection began [s].
         latest: duration of the last reply [s].
         motors: the motors' last reported states, in the robot's order.
@@ -89,14 +101,15 @@ class Operation:
         wants: values that the program accepts from other programs; None if it accepts none, or if they have
             come and aren't handled yet.
         asked_for: number of requests for values so far.
-        unattended: True if nobody is there to resume the motion after a hold that no person has ordered; such
-            a hold ends the run.
+        unattended: True if nobody is there to resume the motion. A hold that no person has ordered then ends
+            the run.
     """
 
     def __init__(self, now: float = 0.0) -> None:
         self._now = now
         self.longest_sleep = LONGEST_SLEEP
         self.slept = 0.0
+        self.woke = -math.inf
         self.state = State.DISCONNECTED
         self.orders: deque[Order] = deque()
         self.notices: deque[Notice] = deque()
@@ -122,10 +135,31 @@ class Operation:
 
     @now.setter
     def now(self, now: float) -> None:
-        # Between two steps of a script, there is at most one reply or a short wait.
-        if now - self._now > self.longest_sleep:
-            self.slept = max(self.slept, now - self._now)
-        self._now = now
+        # Between two steps of a script there is at most one reply or a short wait: after a larger jump of the
+        # clock, this process must have been suspended.
+        asleep, self._now = now - self._now, now
+        if asleep > self.longest_sleep:
+            self.sleep(asleep)
+
+    def sleep(self, seconds: float) -> None:
+        """Record that this process was suspended for a long time [s], until now."""
+        self.slept, self.woke = max(self.slept, seconds), self._now
+
+    def stay_awake(self) -> None:
+        """Forget a suspension before the present script, while nothing was under way."""
+        self.slept, self.woke = 0.0, -math.inf
+
+    def ignores_resume(self) -> bool:
+        """Return True, and report it, if an order to continue doesn't count, because it was given while this
+        process was suspended.
+        """
+        if self._now - self.woke >= WAKING:
+            return False
+        self.remark(
+            "an order to continue is ignored, because it was given while this process was suspended",
+            warning=True,
+        )
+        return True
 
     def go(
         self, event: Event, reason: str = "", code: str = "", remedy: str = "", asks: Question | None = None

@@ -9,8 +9,8 @@ from yarclang.robot.model import Array
 
 @dataclass(frozen=True, slots=True)
 class Concerned:
-    """The command that a fault concerns: its index in the program (such as P0020), its name, and its line in
-    the program's source, as the controller text states them.
+    """The command that a fault concerns. Its index (such as P0020), its name and its line in the program's
+    source are taken from the controller text.
     """
 
     index: str
@@ -20,11 +20,17 @@ class Concerned:
 
 @dataclass(frozen=True, slots=True)
 class Where:
-    """Place of a command in the program's source: `file`, line and columns (from 1, the last one exclusive),
-    and the `text` of the line.
+    """Place of a command in the program's source.
 
-    If the source isn't known, `file` is empty, and `note` gives the reason. For a command in a module of the
-    program, the line is that of the call, and `note` names the line in the module.
+    For a command in a module of the program, this is the place of the call.
+
+    Attributes:
+        file: the source file; empty if the source isn't known.
+        line: line, from 1.
+        column: first column, from 1.
+        end_column: column after the last one.
+        text: text of the line.
+        note: reason why the source isn't known; for a command in a module, the line in the module.
     """
 
     file: str = ""
@@ -39,19 +45,28 @@ class Where:
 class Ended:
     """The outcome of a run.
 
-    `what` is the reason if the run didn't end well, and `remedy` what to do. `joints` (n,) [rad or m] is the
-    robot's commanded position (None if it isn't known), `command` the command that was executed, and `done`
-    the progress of the program [s], counting both branches of each WHEN, one after the other.
-
-    For a fault, `code` is the code of the finding, `concerns` the command, and `where` its place in the
-    source, which callers that know the source fill in.
-
-    `ways` has, for each WHEN that the run has passed, in order, True if its first branch was taken.
-    `barriers` counts the passed barriers at which legs end, and `at_barrier` is True if the robot stands at
-    the next of these barriers. `registers` are the names and values of registers. `finished` is True if the
-    program has ended in one of its branches, so that nothing after the branch is executed. `found` is True if
-    an input has ended a motion early. `leaves` is the name of the SUB by which the robot is to retreat from
-    its place on the path; empty if it isn't to retreat.
+    Attributes:
+        well: True if the run ended well.
+        what: reason why the run didn't end well.
+        remedy: what to do.
+        joints: (n,) commanded position of the robot [rad or m]; None if it isn't known.
+        command: the command that was executed.
+        command_index: label of this command.
+        done: progress of the program [s], counting both branches of each WHEN, one after the other.
+        code: for a fault, the code of the finding.
+        concerns: for a fault, the command.
+        where: for a fault, the place in the source; callers that know the source fill it in.
+        clock: progress of the program [s], counting only the longer branch of each WHEN passed before; None
+            if there are no branches.
+        ways: for each WHEN that the run has passed, in order, True if its first branch was executed.
+        barriers: number of passed barriers at which legs end.
+        at_barrier: True if the robot stands at the next of these barriers.
+        registers: names and values of registers.
+        finished: True if the program has ended in one of its branches, so that nothing after the branch is
+            executed.
+        found: True if an input has ended a motion early.
+        leaves: name of the SUB by which the robot is to retreat from its place on the path; empty for no
+            retreat.
     """
 
     well: bool
@@ -75,7 +90,7 @@ class Ended:
 
     @property
     def reached(self) -> float:
-        """Return the latest time at which a run reaches `done`, as reported to people [s]: counting only
-        the longer branch of each WHEN passed before, and without waits of unknown length.
+        """Return the progress of the program as it is reported to people [s]. Unlike `done`, it counts only
+        the longer branch of each WHEN passed before.
         """
         return self.done if self.clock is None else self.clock

@@ -10,12 +10,16 @@ from yarclang.robot.model import Array, Robot
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sample:
-    """The position of a robot at one time: `actual` positions and `following` errors (n,) of its motors
-    [counts], at `time` on the host's clock [s].
+    """The position of a robot at one time.
 
-    `program_time` [s] is the progress of the program. It is computed from the lines in the buffer, and so
-    accurate to a segment or two. It counts both branches of each WHEN, one after the other; `clock` [s]
-    counts only the longer branch of each WHEN passed before (None: there are no branches).
+    Attributes:
+        time: time on the host's clock [s].
+        program_time: progress of the program [s], counting both branches of each WHEN, one after the other.
+            It is computed from the number of lines in the buffer; its error is a segment or two.
+        actual: (n,) positions of the motors [counts].
+        following: (n,) following errors of the motors [counts].
+        clock: progress of the program [s]. Of each WHEN that the robot has already passed, only the longer
+            branch is counted. None if the program has no branches.
     """
 
     time: float

@@ -47,13 +47,13 @@ class Exchange(Protocol):
         """
 
     def outgoing(self) -> bytes:
-        """Return bytes to send now, each once."""
+        """Return the bytes to send now. Each byte is returned once."""
 
     def receive(self, data: bytes, now: float) -> tuple[Any, ...]:
-        """Process received bytes, however they are split."""
+        """Process received bytes, however they are split, and return the events in them."""
 
     def check(self, now: float) -> tuple[Any, ...]:
-        """Return the events of an expired deadline."""
+        """Return the events that follow if the deadline has passed at the time `now` [s]."""
 
     def close(self) -> tuple[Any, ...]:
         """Record that the other end has closed the connection."""
@@ -81,8 +81,17 @@ class JointPlace:
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """The state of a controller, as shown to people: its kind, the state of its program, the override [%],
-    the state of the guard as a value and in words, each motor's state in words, and the joint positions.
+    """The state of a controller, as shown to people.
+
+    Attributes:
+        kind: kind of the controller.
+        firmware: its firmware.
+        program: state of its program, in words.
+        override: override [%].
+        guard: state of the guard, as a value.
+        guard_text: state of the guard, in words.
+        motors: state of each motor in words, by the motor's number.
+        joints: positions of the joints.
     """
 
     kind: str
@@ -120,8 +129,13 @@ class HomeSearch:
 
 @dataclass(frozen=True, slots=True)
 class Sent:
-    """Result of sending settings: the number of lines that were sent, and of all lines. If sending ended
-    early, also the reason (else empty) and what to do.
+    """Result of sending settings to a controller.
+
+    Attributes:
+        sent: number of lines that were sent.
+        of: number of all lines.
+        what: reason why sending ended early; empty if all lines were sent.
+        remedy: what to do if sending ended early.
     """
 
     sent: int
@@ -156,7 +170,7 @@ class Services:
 
 
 class EndWhatRuns(Protocol):
-    """Script that ends everything that a controller does, without a job of this process."""
+    """Script that ends everything that a controller does. It needs no job of this process."""
 
     def __call__(self, operation: Any, robot: Robot, /, *, abort: bool) -> Script[Array | None]:
         """Hold or abort the motion, and end the program at rest, whoever has started them.
@@ -168,12 +182,12 @@ class EndWhatRuns(Protocol):
 
 def _reads_nothing(operation: Any, variables: Sequence[str]) -> Script[tuple[float, ...]]:  # noqa: ARG001
     yield from ()
-    raise Trouble("this kind of controller has no variables", "leave them out")
+    raise Trouble("this kind of controller has no accessible variables", "leave them out")
 
 
 def _writes_nothing(operation: Any, variable: str, value: float) -> Script[None]:  # noqa: ARG001
     yield from ()
-    raise Trouble("this kind of controller has no variables", "leave them out")
+    raise Trouble("this kind of controller has no accessible variables", "leave them out")
 
 
 def _measures_nothing(operation: Any, robot: Robot) -> Script[Measured]:  # noqa: ARG001
@@ -192,7 +206,7 @@ class Scripts:
             trusted any more.
         connect: makes a connection, and sets the format of its answers.
         look: checks everything that must be true before a motion; nothing moves.
-        idle: reports the robot's position, until something else is to be done.
+        idle: reports the robot's position until the session has something else to do.
         stands_at: returns the commanded joint positions (n,) [rad or m].
         perform: performs a job, to its end or to rest.
         perform_live: performs a live motion; None: the kind has no such script.

@@ -8,6 +8,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import os
+import time
 from collections.abc import Awaitable, Callable
 from typing import Any, Protocol, TypeVar
 
@@ -52,10 +53,10 @@ class Leash(Protocol):
 
 
 _EXCHANGE = 0.02
-"""Longest step of the time of a leashed simulator between two steps of a script, in addition to the time for
-which the script waits [s].
+"""Longest time by which a leashed simulator may advance between two steps of a script, in addition to the
+time for which the script waits [s].
 
-In the longest sequence of questions between two restarts of the watchdog, these steps add up to less than
+In the longest sequence of questions between two restarts of the watchdog, these times add up to less than
 half of the watchdog's time.
 """
 
@@ -63,6 +64,9 @@ REPLY_TIME = 1.0
 """Longest time for a reply [s]; if it takes longer, the connection is lost."""
 
 _TURN = 0.005
+
+_LOOK = 0.2
+"""Time between two looks at the clock while nothing moves and an order is awaited [s]."""
 
 _SHORTEST = 0.0002
 """Shortest wait [s of the wall clock]."""
@@ -74,6 +78,15 @@ CONNECT_TIME = 5.0
 """Longest time for connecting [s]."""
 
 
+def switched_off() -> float:
+    """Return for how long this computer was suspended since it was started [s], for example with its lid
+    closed; 0 if the operating system doesn't tell.
+    """
+    if not hasattr(time, "CLOCK_BOOTTIME"):
+        return 0.0
+    return time.clock_gettime(time.CLOCK_BOOTTIME) - time.clock_gettime(time.CLOCK_MONOTONIC)
+
+
 class Session:
     """The use of one controller: runs one script at a time.
 
@@ -83,7 +96,7 @@ class Session:
         reply_time: longest time for a reply [s].
         pace: seconds of the controller per second: 1, except for a simulator.
         connector: function that makes connections: by TCP, except for a controller in this process.
-        leash: clock of a simulator that waits for this session, and which is then the session's clock, too;
+        leash: clock of a simulator whose time waits for this session; the session then uses this clock, too.
             None if the controller doesn't wait for the session.
         scripts: scripts of the controller's kind; None: those of the default kind of a robot.toml.
 
@@ -123,6 +136,7 @@ class Session:
         self._woken = asyncio.Event()
         self._wire: Wire | None = None
         self._connection = self.scripts.exchange()
+        self._off = switched_off()
 
     def listen(self, listener: Listener) -> None:
         """Add a listener, which is called with each notice from now on. The listener must not wait."""
@@ -184,17 +198,27 @@ class Session:
 
     async def order_given(self, kind: type[Order]) -> None:
         """Wait, with nothing moving, until an order of a given kind comes. A stop or an abort also ends the
-        wait, and stays in the queue.
+        wait, and stays in the queue. Orders that were given while this process was suspended don't count.
         """
-        orders = self.operation.orders
-        while not any(isinstance(order, kind | Stop | Abort) for order in orders):
+        operation, orders = self.operation, self.operation.orders
+        operation.now = self.now()
+        self._notice_sleep()
+        operation.stay_awake()
+        while not any(isinstance(order, Stop | Abort) for order in orders):
+            operation.now = self.now()
+            self._notice_sleep()
+            given = [order for order in orders if isinstance(order, kind)]
+            if given and not operation.ignores_resume():
+                orders.clear()
+                return
+            for order in given:
+                orders.remove(order)
+            self._tell()
             self._woken.clear()
-            await self._woken.wait()
-        if not any(isinstance(order, Stop | Abort) for order in orders):
-            orders.clear()
+            await self._woken_within(_LOOK)
 
     def close(self) -> None:
-        """Close the connection. If something still moves, hold the motion before."""
+        """Close the connection. If something moves, hold the motion first."""
         if self._wire is not None:
             self._last_words()
             self._wire.close()
@@ -221,7 +245,16 @@ class Session:
         """
         now = self.now()
         self._allow(now + _EXCHANGE)
+        self._notice_sleep()
         return now
+
+    def _notice_sleep(self) -> None:
+        """Tell the script if the whole computer was suspended since the last call. The clock of the event
+        loop stands still meanwhile. A leashed simulator is suspended with the computer.
+        """
+        before, self._off = self._off, switched_off()
+        if self._leash is None and (self._off - before) * self.pace > self.operation.longest_sleep:
+            self.operation.sleep((self._off - before) * self.pace)
 
     def _allow(self, until: float | None) -> None:
         """Let a leashed simulator run until a time [s], or without limit (None)."""
@@ -243,7 +276,10 @@ class Session:
                     # Whoever only watches must not leave a moving robot to itself.
                     self._listeners.remove(listener)
                     self.order(
-                        Fail(f"what watches this run has failed: {error!r}", "this is a bug: report it")
+                        Fail(
+                            f"an internal observer of this run has failed: {error!r}",
+                            "this is a bug: report it",
+                        )
                     )
 
     async def _wait(self, until: float) -> None:
@@ -254,7 +290,8 @@ class Session:
             return
         self._allow(until + _EXCHANGE)
         while not self._woken.is_set() and (left := until - self.now()) > 0.0:
-            # A leashed simulator may need longer than the wall clock suggests.
+            # A leashed simulator's clock may be slower than the wall clock: repeat the wait until its time is
+            # over.
             await self._woken_within(max(left / self.pace, _SHORTEST))
 
     async def _woken_within(self, seconds: float) -> None:
@@ -264,8 +301,8 @@ class Session:
                 await self._woken.wait()
 
     async def _keep(self, register: str, value: int) -> Outcome:
-        """Store a register's value for later runs. A disk may be slow; everything else continues
-        meanwhile.
+        """Store a register's value for later runs. A slow disk delays only the script, nothing else in this
+        process.
         """
         if self.keeper is None:
             return None
@@ -276,9 +313,11 @@ class Session:
         return None
 
     async def _teach(self, request: Teach) -> Outcome:
-        """Store a robot position for later runs. A disk may be slow; everything else continues meanwhile."""
+        """Store a robot position for later runs. A slow disk delays only the script, nothing else in this
+        process.
+        """
         if self.teacher is None:
-            return "places are kept for programs in files"
+            return "positions can be taught only by programs in files"
         try:
             return Told(await asyncio.get_running_loop().run_in_executor(None, self.teacher, request))
         except OSError as error:
@@ -286,7 +325,7 @@ class Session:
 
     async def _replan(self, request: Replan) -> Outcome:
         """Have a part of the program planned: the lines of an OFFSET, or what follows a search. The robot
-        stands meanwhile; everything else continues.
+        stands during the planning, and everything else in this process continues.
         """
         if self.replanner is None:
             return None
@@ -322,8 +361,8 @@ class Session:
             if not events and wire.closed:
                 events = connection.close()
             if not events and not data:
-                # If the process has slept past the deadline, a reply that has come becomes available only in
-                # the next turn of the event loop.
+                # After a suspension of this process beyond the deadline, a reply that has come becomes
+                # available only in the next turn of the event loop.
                 await asyncio.sleep(_TURN)
                 data = wire.take()
                 now = self._passed()

@@ -36,8 +36,8 @@ class WaitBegan:
 
 @dataclass(frozen=True, slots=True)
 class WaitEnded:
-    """Notice that a WAIT is over, after `waited` [s]. If `met`, the input has the wanted value; otherwise the
-    time limit of the WAIT is over.
+    """Notice that a WAIT is over, after `waited` [s]. `met` is True if the input has the wanted value; it is
+    False if the time limit of the WAIT is over.
     """
 
     time: float
@@ -78,7 +78,7 @@ def signal_text(signal: Signal) -> str:
             return f"SET {name} {state_text(value)}"
         case WaitEnded(place=place, name=name, variable=variable, value=value, waited=waited, met=met):
             after = f" after {waited:.1f} s" if waited else ""
-            if not variable:  # a condition
+            if not variable:  # a condition has no variable
                 return f"{place} WAIT: {name} {'holds' if met else 'still does not hold'}{after}"
             return f"{place} WAIT: {name} is {'' if met else 'still '}{state_text(value)}{after}"
         case InputChanged(name=name, value=value, cause=cause):

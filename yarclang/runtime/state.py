@@ -19,7 +19,7 @@ class State(Enum):
     STOP = "stop"
     """Connected, without a motion of this process: the controller is being inspected, or is idle."""
     INIT = "init"
-    """The controller takes the first lines of a program; nothing moves."""
+    """The controller receives the first lines of a program; nothing moves."""
     MOVE = "move"
     """The controller executes streamed lines."""
     HOLD = "hold"
@@ -64,14 +64,14 @@ TRANSITIONS: Mapping[State, Mapping[Event, State]] = MappingProxyType(
         },
         _S.STOP: {
             _E.LOAD: _S.INIT,
-            _E.HOLD: _S.HOLD,  # at a barrier: for an input, or the operator
+            _E.HOLD: _S.HOLD,  # at a barrier, where the robot waits for an input or the operator
             _E.STOP: _S.STOP,
             _E.FAULT: _S.FAULT,
             _E.LOST: _S.DISCONNECTED,
         },
         _S.INIT: {
             _E.BEGIN: _S.MOVE,
-            _E.HOLD: _S.HOLD,  # by an input that the program watches
+            _E.HOLD: _S.HOLD,  # an input that the program watches holds the motion
             _E.STOP: _S.STOP,
             _E.FAULT: _S.FAULT,
             _E.LOST: _S.DISCONNECTED,
@@ -86,7 +86,7 @@ TRANSITIONS: Mapping[State, Mapping[Event, State]] = MappingProxyType(
         _S.HOLD: {
             _E.HOLD: _S.HOLD,
             _E.RESUME: _S.MOVE,
-            _E.END: _S.STOP,  # at a barrier
+            _E.END: _S.STOP,  # a wait at a barrier is over
             _E.STOP: _S.STOP,
             _E.FAULT: _S.FAULT,
             _E.LOST: _S.DISCONNECTED,

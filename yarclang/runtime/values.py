@@ -12,12 +12,13 @@ from yarclang.runtime.actions import Trouble
 from yarclang.runtime.notices import Wanted
 
 NOT_WANTED, OUT_OF_RANGE, NOT_UNDERSTOOD = "Y1661", "Y1662", "Y1663"
-"""Codes of the reasons to refuse a message: its values come early, late or again; a value is out of its
-register's range; an entry isn't a register's value.
+"""Codes of the reasons to refuse a message. `NOT_WANTED`: its values come before or after they are wanted, or
+a second time. `OUT_OF_RANGE`: a value is out of its register's range. `NOT_UNDERSTOOD`: an entry isn't a
+register's value, or a needed register is missing.
 """
 
 _SHOWN = 60
-"""Longest text of a strange value that is shown [characters]."""
+"""Largest number of characters of a faulty value that a message shows."""
 
 
 def values_text(values: tuple[tuple[str, int], ...]) -> str:
@@ -46,14 +47,14 @@ def checked_values(
     """
     if wanted is None:
         raise Trouble(
-            "no WAIT or HOLD of the program takes values now: they come too early, too late or again",
-            "wait for the event values_wanted, and answer it once",
+            "no WAIT or HOLD of the program accepts values now: they came too early, too late or twice",
+            "answer each event values_wanted exactly once",
             NOT_WANTED,
         )
     if number is not None and number != wanted.number:
         raise Trouble(
             f"question {number} isn't open any more: {wanted.place} asks question {wanted.number}",
-            f"answer question {wanted.number}, with new values",
+            f"answer question {wanted.number} with new values",
             NOT_WANTED,
         )
     ranges = {name: (low, high) for name, low, high in wanted.registers}
@@ -76,7 +77,7 @@ def checked_values(
         )
     if not accepted:
         raise Trouble(
-            "the message has no value", f"{wanted.place} takes {range_text(wanted)}", NOT_UNDERSTOOD
+            "the message contains no values", f"{wanted.place} takes {range_text(wanted)}", NOT_UNDERSTOOD
         )
     return tuple(accepted.items())
 
@@ -89,13 +90,13 @@ def _integer(name: str, value: Any, low: int, high: int) -> int:
     is_far = is_number and not low <= value <= high
     raise Trouble(
         f"{name} can't be {_one_line(value)}: it is an integer from {low} to {high}",
-        "look at what sends it",
+        "check the sender",
         OUT_OF_RANGE if is_far else NOT_UNDERSTOOD,
     )
 
 
 def _one_line(value: object) -> str:
-    """Return a strange value as one short line of ASCII."""
+    """Return a faulty value as one short line of ASCII."""
     try:
         text = ascii(value)
     except (ValueError, RecursionError):  # an integer of thousands of digits, or deeply nested lists

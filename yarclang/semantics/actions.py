@@ -1,5 +1,5 @@
-"""Read commands that don't move the robot, assignments to registers and outputs, and the conditions of WHEN
-and WAIT.
+"""Read assignments to registers and outputs, all other commands that don't move the robot, and the conditions
+of WHEN and WAIT.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ from yarclang.words.registry import word_specs
 from yarclang.words.spec import Slot
 
 LONGEST_WAIT = 3600.0
-"""Longest wait [s] that is allowed; the controller's timer could count for much longer."""
+"""Longest wait [s] that a program may state. The controller's timer has a much higher limit."""
 
 
 def read_action(
@@ -97,11 +97,12 @@ def _in_steps(
     statement: Statement,
     findings: Collector,
 ) -> tuple[ActionValue, ...] | None:
-    """Convert the numbers of a command to steps of the analogue output or input that it names.
+    """Convert the physical values in a command to integers, if the command names an analogue signal. The
+    integers are numbers of the signal's steps.
 
     Returns:
-        All values of the command; without an analogue signal they are unchanged. None with a finding if a
-        number is out of range or is between two steps.
+        All values of the command, unchanged without an analogue signal. None with a finding if a physical
+        value is out of range or is between two steps.
     """
     found = next((scope.name(one.name) for one in given if isinstance(one, Word)), None)
     if not isinstance(found, Output | Input) or found.step is None:
@@ -109,8 +110,8 @@ def _in_steps(
     largest = largest_of(found.signal.variable) * found.step
     for value in values:
         if isinstance(value, float) and not 0.0 <= value <= largest:
-            message = f"{found.signal.name} goes from 0 to {largest:.10g}, and is never {value:.10g}"
-            findings.add("Y0470", message, statement.whole_span, "check the number, or the bits")
+            message = f"{found.signal.name} has the values 0 to {largest:.10g}, and can't be {value:.10g}"
+            findings.add("Y0470", message, statement.whole_span, "correct the number, or declare more bits")
             return None
     try:
         return tuple(
@@ -143,23 +144,23 @@ def _keeps_to_groups(
     that the group can hold.
 
     Returns:
-        False with a finding if this is violated.
+        True if this holds; otherwise False, with a finding.
     """
     groups = [one for one in values if isinstance(one, Signal) and is_group(one.variable)]
     for one in groups:
         if form.slots != (Slot.OUTPUT, Slot.STATE):
             message = (
-                f"{one.name} is a group of {len(one.bits)} bits, and {statement.name.name} takes a single one"
+                f"{one.name} is a group of {len(one.bits)} bits, and {statement.name.name} takes a single bit"
             )
             help_ = (
-                f"declare the bit by a name of its own; {shown_variable(one.variable)} is a number for SET, "
-                "WHEN and CASE"
+                f"declare this bit under a name of its own; {shown_variable(one.variable)} is a number, "
+                "which SET, WHEN and CASE can use"
             )
             findings.add("Y0471", message, statement.whole_span, help_)
             return False
         number = next(value for value in values if isinstance(value, float))
         if fault := group_fault(one, number):
-            findings.add("Y0470", fault, statement.whole_span, "check the number, or the bits")
+            findings.add("Y0470", fault, statement.whole_span, "correct the number, or declare more bits")
             return False
     return True
 
@@ -186,7 +187,7 @@ def read_when(statement: Statement, scope: Scope, findings: Collector) -> When |
         return None
     if register is not None:
         return When(origin, Between("=", RegisterValue(register.name), Constant(value)))
-    assert signal is not None  # without a register and a signal the function has returned above
+    assert signal is not None  # a value without a register or signal was refused above
     as_steps = _in_steps((value,), values, scope, statement, findings)
     if as_steps is None:
         return None
@@ -197,8 +198,8 @@ def read_when(statement: Statement, scope: Scope, findings: Collector) -> When |
 def read_wait_else(
     statement: Statement, scope: Scope, defaults: Defaults, findings: Collector
 ) -> When | None:
-    """Read WAIT DOOR ON [5] ELSE as a WHEN. Its first branch is taken if the condition becomes true within
-    the time, else its ELSE.
+    """Read a line such as WAIT DOOR ON [5] ELSE as a WHEN. The first branch of the WHEN is carried out if the
+    condition becomes true within the time; its ELSE is carried out if the time passes first.
 
     Returns:
         None with findings if the line has an error, or if it lacks its condition or its time.
@@ -206,15 +207,15 @@ def read_wait_else(
     *others, last = statement.options
     if others:
         message = f"WAIT doesn't take {others[0].word.name}"
-        findings.add("Y0408", message, statement.span(others[0].word.place), "take it away")
+        findings.add("Y0408", message, statement.span(others[0].word.place), "remove it")
         return None
     span = statement.span(last.word.place)
     if last.argument is not None:
         findings.add(
             "Y0412",
-            "nothing may follow the ELSE of a WAIT",
+            "the line must end after the ELSE of a WAIT",
             span,
-            "write what is done in lines of its own, up to END",
+            "write the commands in lines of their own, and END after them",
         )
         return None
     plain = replace(statement, options=())
@@ -234,9 +235,7 @@ def read_wait_else(
         case None:
             return None
         case _:
-            message = (
-                "this ELSE has nothing to do: WAIT needs a condition, and a time after which it is given up"
-            )
+            message = "the ELSE of this WAIT is never carried out: it needs a condition and a time limit"
             findings.add("Y0451", message, span, "for example WAIT DOOR ON [5] (s) ELSE")
             return None
     return When(step.origin, condition, within=seconds)
@@ -255,22 +254,16 @@ def read_wait(
         findings.add_error(error, statement.span(error.place))
         return None
     if not inputs_of(condition) and not any(_is_outside(one, scope) for one in registers_of(condition)):
-        message = (
-            "no input stands in this condition, and no register that is filled from OUTSIDE: it doesn't "
-            "change while the program waits"
-        )
-        help_ = (
-            "WHEN decides by registers; WAIT stands until an input changes, or a REGISTER ... OUTSIDE gets "
-            "a value"
-        )
+        message = "this condition can't change during the WAIT: it has no input and no register with OUTSIDE"
+        help_ = "use WHEN for registers; WAIT needs an input, or a REGISTER ... OUTSIDE"
         findings.add("Y0440", message, statement.span(statement.expression.place), help_)
         return None
     seconds = _seconds(statement, ActionForm(time="may"), scope, defaults, findings)
     if any(found.is_error for found in findings.found[before:]):
         return None
     if seconds is None:
-        message = "this waits for ever if the condition never holds"
-        help_ = f"give a time: WAIT {in_words(condition)} [5] (s)"
+        message = "this WAIT has no time limit: it never ends if the condition never holds"
+        help_ = f"add a time limit: WAIT {in_words(condition)} [5] (s)"
         findings.add("Y1003", message, statement.head_span, help_)
     origin = origin_of(statement, "WAIT", findings)
     compared = simple(condition)
@@ -281,7 +274,7 @@ def read_wait(
 
 
 def _changes(name: str) -> str:
-    return f"SET changes an output, or a register, which REGISTER {name} 0..9 declares"
+    return f"declare an output, or a register: REGISTER {name} 0..9"
 
 
 def _is_outside(name: str, scope: Scope) -> bool:
@@ -335,15 +328,15 @@ def read_assignment(statement: Statement, scope: Scope, findings: Collector) -> 
                 _check_range(number, found, statement, findings)
         elif isinstance(found, Output) and found.step is not None:
             message = (
-                f"{word.text} is analogue: what is known only when the program runs isn't counted in its "
-                "steps"
+                f"{word.text} is analogue: it can't be set to a value that is known only when the program "
+                "runs"
             )
-            findings.add("Y0472", message, span, f"write SET {word.text} and a number")
+            findings.add("Y0472", message, span, f"write a number after SET {word.text}")
     except EvaluationError as error:
         findings.add_error(error, statement.span(error.place))
         return None
     except DecisionError as error:
-        assert statement.expression is not None  # a register and a number have values
+        assert statement.expression is not None  # only an expression raises this error
         findings.add("Y0410", str(error), statement.span(statement.expression.place))
         return None
     if not isinstance(found, Register | Output) or any(one.is_error for one in findings.found[before:]):
@@ -372,15 +365,17 @@ def _check_range(number: float, register: Register, statement: Statement, findin
     if number.is_integer() and register.low <= number <= register.high:
         return
     place = statement.expression.place if statement.expression else values_of(statement)[1].place
-    message = f"{register.name} is an integer from {register.low} to {register.high}, and never {number:.15g}"
-    findings.add("Y0431", message, statement.span(place), "check the value or the range")
+    message = (
+        f"{register.name} is an integer from {register.low} to {register.high}, and can't be {number:.15g}"
+    )
+    findings.add("Y0431", message, statement.span(place), "correct the value, or the range of the register")
 
 
 def _tell_wanted(
     statement: Statement, word: str, wants: str, examples: tuple[str, ...], findings: Collector
 ) -> None:
     help_ = f"for example {', or '.join(examples)}"
-    findings.add("Y0401", f"{word} wants {wants}", statement.whole_span, help_)
+    findings.add("Y0401", f"{word} takes {wants}", statement.whole_span, help_)
 
 
 def _may_be(slot: Slot, value: Value) -> bool:
@@ -404,7 +399,7 @@ def _value(
         case Slot.TEXT:
             return value.text.strip('"')
         case Slot.REACTION:
-            raise AssertionError(slot)  # only ON takes a reaction, and ON is a declaration
+            raise AssertionError(slot)  # only ON has a reaction, and ON is a declaration, not an action
         case Slot.REGISTER:
             if (found := _register_named(value, scope)) is not None:
                 return found.name
@@ -436,7 +431,7 @@ def _seconds(
     if time is None and form.time == "must":
         findings.add(
             "Y0406",
-            f"{word} doesn't say how long",
+            f"{word} has no time",
             statement.head_span,
             f"for example {word} [2] (s)",
             subject=LeftOut("how long it waits"),
@@ -445,7 +440,7 @@ def _seconds(
         return None
     span = statement.span(time.place)
     if len(time.items) != 1 or not isinstance(item := time.items[0], Number | Computed):
-        findings.add("Y0407", f"{word} takes a time", span, "for example [2]")
+        findings.add("Y0407", f"{word} needs a time", span, "for example [2]")
         return None
     found = amount(item, scope, statement, findings)
     if found is None:
@@ -462,14 +457,14 @@ def _seconds(
         findings.add_error(error, span)
         return None
     if not 0.0 < seconds <= LONGEST_WAIT:
-        message = f"[{found}]: a wait is above 0 and at most {LONGEST_WAIT:g} s"
+        message = f"[{found}]: the time of a wait must be above 0 and at most {LONGEST_WAIT:g} s"
         findings.add(
             "Y0407",
             message,
             span,
-            "write how long, as [0.5] (s), or take the WAIT away"
+            "write a time such as [0.5] (s), or remove the WAIT"
             if not seconds > 0.0
-            else "split it, or wait for an input: WAIT DOOR ON",
+            else "write several waits, or wait for an input: WAIT DOOR ON",
         )
         return None
     return seconds

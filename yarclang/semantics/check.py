@@ -17,7 +17,7 @@ from yarclang.syntax.ast import Module
 
 
 def check(module: Module, context: Context) -> Result[Program]:
-    """Check a program's syntax tree, and carry out its loops and calls.
+    """Check a program's syntax tree, and convert it to steps: its loops and calls are carried out now.
 
     Args:
         module: the program's file.
@@ -38,7 +38,8 @@ def check(module: Module, context: Context) -> Result[Program]:
     if unrolled.cell is not None and unrolled.cell.parts:
         for way in unrolled.ways_out:
             message = (
-                f"in a cell with parts it isn't known what the robot carries when it leaves by {way.name}"
+                f"{way.name} can't be planned in a cell with parts: it isn't known which parts the robot "
+                "carries then"
             )
             findings.add("Y0478", message, way.origin.span, "write HOLD instead of CALL")
     check_allowed(unrolled.steps, context.robot, unrolled.cell, findings)

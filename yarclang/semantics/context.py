@@ -20,13 +20,13 @@ from yarclang.units import Kind, Unit
 
 @frozen(eq=False)
 class GivenCell:
-    """The cell that the command line or yarc.toml gives to a program, with or without a CELL line.
+    """The cell that the command line or yarc.toml names for a program. The program needs no CELL line then.
 
     Attributes:
         path: the cell's file, as shown in messages.
         loaded: the cell and the findings of its file.
-        giver: who names the file, for messages: `yarc.toml` or `the command line`.
-        remedy: what to change there, for the help of a finding.
+        giver: source of the path, as messages name it: `yarc.toml` or `the command line`.
+        remedy: what to change in yarc.toml or on the command line, for the help of a finding.
         source: the file that names the cell; None for the command line.
         span: place of the path in `source`.
     """
@@ -56,18 +56,21 @@ class Context:
     Attributes:
         robot: the robot.
         profiles: names of the planner's motion profiles.
-        start: (n,) [rad or m] start that overrides a START line; None without one.
-        fallback_start: (n,) [rad or m] start of a program without a START line.
+        start: (n,) [rad or m] joint position at which the program starts. It overrides a START line; None:
+            not given.
+        fallback_start: (n,) [rad or m] joint position at which a program without a START line starts.
         load: function that takes a module's name, and returns the module, or a finding.
-        load_cell: function that takes a path and the module with the line that names it (None: the program),
-            and returns the cell at this path. It returns the same object for the same file.
-        load_table: function that takes a path and the module with the line that names it (None: the program),
-            and returns the trajectory file at this path. It returns the same object as long as the file
-            doesn't change.
+        load_cell: function that returns the cell at a path. Its arguments are the path, and the module whose
+            CELL line names the path (None for the program itself). All calls for a file return the same
+            object.
+        load_table: function that returns the trajectory file at a path. Its arguments are the path, and the
+            module whose line names the path (None for the program itself). As long as the file doesn't
+            change, all calls for it return the same object.
         cell: the cell that the command line or yarc.toml names.
         index_needed: True if every command needs an index; False in the live interpreter.
         memory: cache for the steps of commands.
-        enough: number of lines in loops and SUBs after which a loop starts no further round; None: no limit.
+        enough: limit of the lines in loops and SUBs that are carried out. At the limit, a loop starts no
+            further round. None: no limit.
     """
 
     robot: Robot
@@ -85,14 +88,14 @@ class Context:
 
 @frozen
 class Defaults:
-    """What a DEFAULT line gives to lines that don't say it themselves.
+    """The values of a DEFAULT line. They apply to each line of the file that lacks them.
 
     Attributes:
         scope: names of the file.
         statement: the DEFAULT line; None without one.
         moving: the moving frame.
         time: the motion time.
-        units: the units by kind.
+        units: the units, by their kind (length, angle, time).
         base: the base frame.
         has_bad_time: True if the line's motion time is wrong. The finding about it is at the DEFAULT line.
     """

@@ -17,9 +17,9 @@ class File:
     Attributes:
         findings: collects the findings of the file.
         scope: names of the file.
-        defaults: what its DEFAULT line gives.
+        defaults: the values of its DEFAULT line.
         is_program: True for the program, False for a module.
-        seen: first line of each kind of declaration so far, by its word.
+        seen: for each word of a declaration, the first line so far that begins with it.
         command_seen: True after the first command.
     """
 
@@ -52,7 +52,7 @@ class Sub:
 
 
 def values_of(statement: Statement) -> list[Value]:
-    """Return the values of all way-points of a line. For a line without motion, these are the values after
+    """Return the values of all waypoints of a line. For a line without motion, these are the values after
     its first word.
     """
     return [value for waypoint in statement.waypoints for value in waypoint.values]

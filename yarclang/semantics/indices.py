@@ -45,7 +45,7 @@ def check_indices(commands: list[Statement], findings: Collector) -> None:
         number = _number(statement)
         if number in lines:
             span = statement.span(statement.index.place)
-            message = f"the index P{number:04d} stands in line {lines[number]} already"
+            message = f"the index P{number:04d} is already used in line {lines[number]}"
             findings.add("Y0201", message, span, f"P{last + 1:04d} is free")
             continue
         if number < last and out_of_order is None:
@@ -59,7 +59,7 @@ def check_indices(commands: list[Statement], findings: Collector) -> None:
             for number, statement in enumerate((one for one in each(commands) if one.index), 1)
             if statement.index
         )
-        message = f"the index {out_of_order.index.text} is smaller than one above it"
+        message = f"the index {out_of_order.index.text} is smaller than an index above it"
         findings.add("Y1201", message, span, "renumber the commands", Fix("renumber the commands", edits))
 
 
@@ -69,8 +69,8 @@ def _number(statement: Statement) -> int:
 
 
 def _following(commands: list[Statement]) -> list[int]:
-    """Return for each command the first index of the commands after it; if none of these has an index, a
-    number above all indices.
+    """Return for each command the index of the next command that has one. If no later command has an index,
+    return a number above all indices.
     """
     found, following = 10**LONGEST_INDEX, []
     for statement in reversed(commands):

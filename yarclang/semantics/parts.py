@@ -19,7 +19,7 @@ def refuse_parts(statement: Statement, refused: Container[str], findings: Collec
 
     Args:
         statement: the line.
-        refused: names of what the statement doesn't accept, as in ALL_PARTS.
+        refused: the parts that the statement doesn't accept, by their names in ALL_PARTS.
         findings: receives the finding.
     """
     places: list[tuple[str, Place]] = []
@@ -38,5 +38,5 @@ def refuse_parts(statement: Statement, refused: Container[str], findings: Collec
     for part, place in places:
         if part in refused:
             message = f"{statement.name.name} doesn't take {part}"
-            findings.add("Y0408", message, statement.span(place), "take it away")
+            findings.add("Y0408", message, statement.span(place), "remove it")
             return

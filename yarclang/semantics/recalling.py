@@ -76,8 +76,8 @@ class _Watched(Scope):
 
 _Asked = tuple[tuple[bool, str, Hashable], ...]
 _Link = tuple[int, bool, str]
-"""Where a frame was looked up: number of the scope, True for a frame's name (False: name of a pose in the
-frame), and this name.
+"""The lookup that found a frame: the number of the scope (0: of the command, 1: of DEFAULT), True if the
+name is that of the frame (False: that of a pose in the frame), and the name.
 """
 _Links = tuple[_Link | None, _Link | None]
 
@@ -92,7 +92,7 @@ class _Kept:
         parts: fields of the step after its origin.
         line: line number of the command when it was read.
         asked: names that were looked up in the command's scope and in that of DEFAULT, with their meanings.
-        links: where its moving frame and its base frame were looked up.
+        links: the lookups that found its moving frame and its base frame.
     """
 
     made: Callable[..., Step]
@@ -121,7 +121,7 @@ def step_before(
         memory: the cache.
         robot: the robot of the program.
         statement: the command.
-        defaults: what the DEFAULT line of its file gives.
+        defaults: the values of the DEFAULT line of its file.
         scope: the names in scope at this line.
         findings: the findings of the command's file; receives those of `make`.
         make: function that reads the command with given defaults and scope.
@@ -148,7 +148,8 @@ def step_before(
         return step
     origin = replace(step.origin, source=_NO_TEXT, moving=None, base=None)  # the cache must not hold the text
     asked = tuple(tuple((*which, _meaning(found)) for which, found in one.asked.items()) for one in watched)
-    # Most commands look up the same names. They share one object, so these names are compared only once.
+    # Most commands look up the same names. Let them share one object, so that these names are compared only
+    # once.
     shared = recall(memory, ("asked", asked), lambda: asked)
     parts = tuple(getattr(step, name) for name in list(step.__dataclass_fields__)[1:])
     memory.keep(key, _Kept(type(step), _PARTS(origin), parts, statement.line, shared, links))  # type: ignore[arg-type]
@@ -211,7 +212,7 @@ def _frames_as_they_were(
 
 
 def _link_of(scope: Scope, is_frame: bool, name: str) -> FrameLink | None:
-    """Return the link of a frame, or of the frame in which a pose is given."""
+    """Return the declaration (link) of a frame, or of the frame in which a pose is given."""
     found = scope.frame(name) if is_frame else scope.name(name)
     return found.link if isinstance(found, Frame | Pose) else None
 
@@ -220,9 +221,7 @@ _LOST = (-1, False, "")
 
 
 def _named(link: FrameLink | None, watched: tuple[_Watched, _Watched]) -> _Link | None:
-    """Return the number of the scope and the name under which a frame was looked up; _LOST if it wasn't
-    looked up by name.
-    """
+    """Return the lookup that found a frame. None without a frame; _LOST if no lookup of a name found it."""
     if link is None:
         return None
     for number, one in enumerate(watched):

@@ -1,1 +1,1 @@
-"""The machines around a simulated robot. They change its inputs."""
+"""Simulation of the machines around a simulated robot. They change the controller's inputs."""

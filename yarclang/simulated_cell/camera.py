@@ -1,7 +1,7 @@
 """A simulated camera. It sends the position of a workpiece to a program that accepts values from other
 processes.
 
-Time is an argument; there is no I/O.
+This module has no clock and does no I/O: its callers pass the time.
 """
 
 from __future__ import annotations
@@ -34,14 +34,15 @@ class CameraForm:
         name: name of the camera.
         part: kind of the parts (workpieces) for which the camera looks.
         frame: the frame in which the camera reports positions.
-        registers: names of the registers that get the values found, x, y, z and rz, by these words.
+        registers: names of the registers that get the values found, by the keys `x`, `y`, `z` and `rz`; with
+            the key `found`, the register that gets 1 if a part was found, and 0 if not.
         unit: size of one count [mm; deg for rz].
         delay: time from a request to the reply [s].
-        does: how the camera reacts to the first requests, for example with a fault. Later requests are
+        does: reactions to the first requests, in order; some of them may be faults. Later requests are
             answered without a fault.
-        lies: displacements (4, 4) [m], in the axes of the frame, of the parts' actual places from the places
-            in the cell's file, in the order of the parts. Parts without a displacement are in the places of
-            the file.
+        lies: for each part, in the order of the parts, the displacement (4, 4) [m] from its place in the
+            cell's file to its actual place, in the axes of `frame`. Parts beyond the end of this list are in
+            the places of the file.
     """
 
     name: str
@@ -84,11 +85,12 @@ class Camera:
 
     @property
     def next_due(self) -> float:
-        """Time of its next reply [s]; inf if there is no request."""
+        """Time of the camera's next reply [s]; inf if there is no request."""
         return min((when for when, _, _ in self._due), default=math.inf)
 
     def wanted(self, wanted: Wanted | None, now: float) -> None:
-        """Handle a program's request for values. It is ignored if the camera has no values for the registers.
+        """Handle a program's request for values. The request is ignored if the camera has no values for the
+        registers.
 
         Args:
             wanted: the request; None if the program no longer waits for values.
@@ -113,8 +115,8 @@ class Camera:
                 self._due.append((now + 2.0 * self.form.delay, "answer", wanted))
 
     def laid(self, parts: Parts) -> Parts:
-        """Move the parts that are still in the places of the cell's file to their actual places, which differ
-        by `lies`. Return all parts.
+        """Move parts from their places in the cell's file to their actual places, which differ by `lies`.
+        Return all parts.
         """
         form = self.form
         if not form.lies or form.frame.mount.on_flange:

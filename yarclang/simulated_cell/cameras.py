@@ -44,7 +44,7 @@ def load_cameras(path: FilePath, known: Known, cell: Cell | None) -> Result[tupl
 
 
 def read_cameras(source: SourceFile, known: Known, cell: Cell | None) -> Result[tuple[CameraForm, ...]]:
-    """Read the cameras of a text. See `load_cameras`."""
+    """Read the cameras in the text of a script file, as `load_cameras` does."""
     from yarclang.simulated_cell.schema import ScriptTable
     from yarclang.toml.draft import read_draft
 

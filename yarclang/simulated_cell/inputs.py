@@ -1,8 +1,9 @@
-"""State machine of the controller inputs that a script changes. Time is an argument; there is no I/O.
+"""State machine of the controller inputs that a script changes. This module has no clock and does no I/O: its
+callers pass the time.
 
-Changes are made at their own times and in the order of time. Changes at equal times are made in the order in
-which they were requested. Therefore the values at a given time don't depend on the steps in which time
-advances.
+Each change takes effect at its own time, and changes are made in the order of their times. Changes at equal
+times are made in the order in which they were requested. Therefore the values at a given time don't depend on
+the steps in which time advances.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ SCRIPT, SENSOR, HAND = "script", "sensor", "hand"
 
 @frozen
 class Set:
-    """A change of an input's value that was made.
+    """A change of an input that has been made.
 
     Attributes:
         time: time of the change [s].
@@ -42,8 +43,9 @@ class _Due:
 
     Attributes:
         change: the change.
-        turn: number of changes of the input when its toggling began. If the input has changed more often
-            since, another change has ended the toggling. None for a first change.
+        turn: for the next value of a toggling input: number of changes of this input when the toggling began.
+            If the input has been changed again since then, the toggling has ended, and the value isn't set.
+            None for a change.
         phase: 0 for the value of the change, 1 for its opposite.
         cause: cause of the change: SCRIPT, SENSOR or HAND.
     """
@@ -78,7 +80,7 @@ class Inputs:
 
     @property
     def watched(self) -> frozenset[str]:
-        """Variables of the outputs whose changes must be reported."""
+        """Variables of the outputs whose changes must be reported by `output_changed`."""
         return frozenset(one.output[0] for one in self._script if one.output is not None)
 
     @property
@@ -117,11 +119,11 @@ class Inputs:
                 self._put(now + change.delay, _Due(change))
 
     def reached(self, place: str, now: float) -> None:
-        """Report that the program has reached a command, which may be the event for changes of the script.
+        """Report that the program has reached a command. This may be the event for changes of the script.
 
         Args:
-            place: index or full place of the command that begins, or at which the program waits. Empty for
-                none; after that, the same command can be reached again.
+            place: index or full place of the command that begins, or at which the program waits. Empty if the
+                program is at no command; after that, the same command can be reached again.
             now: the time [s].
         """
         self._settle(now)

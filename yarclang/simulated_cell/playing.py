@@ -31,7 +31,7 @@ class Companion(Protocol):
 
     @property
     def next_event(self) -> float:
-        """Time of its next event [s of the controller's time]; -inf for an event now."""
+        """Time of the companion's next event by the controller's clock [s]; -inf if an event is due now."""
 
     def handle(self) -> None:
         """Handle the events that are due at the controller's present time."""
@@ -48,8 +48,8 @@ class SimulatedController(Protocol):
         """Add a companion that runs in the controller's time."""
 
     def define(self, variable: str) -> None:
-        """Define a controller variable for an input or output that has no address. The variable then has a
-        value of its own.
+        """Give a value of its own to a controller variable without an address, so that the variable can serve
+        as an input or output.
         """
 
     def read(self, variable: str) -> float:
@@ -74,7 +74,7 @@ class SimulatedCell:
     Args:
         script: the changes of inputs that the machines make.
         known: names of inputs and outputs that can be set by hand.
-        settings: inputs that have a value from the start of the simulation.
+        settings: initial values of inputs.
         cell: the cell of the robot, with sensors and the parts that they see; None if there is none.
         robot: the simulated robot.
         waits: True if times of the script count from the first `begin`. Otherwise they count from `attach`.
@@ -113,7 +113,7 @@ class SimulatedCell:
             self._sensing = Sensing(robot, cell)
 
     def attach(self, machine: SimulatedController) -> None:
-        """Join a controller as its cell. The controller's time must not have begun."""
+        """Connect the machines to a controller whose clock hasn't started."""
         self._machine = machine
         for driven in self._inputs.driven:
             machine.define(driven)
@@ -139,7 +139,7 @@ class SimulatedCell:
         self._said.append(self._start if self._waits else lambda now: self._inputs.reached("", now))
 
     def know(self, program: Program | None) -> None:
-        """Add the names of a program that is run, so that its inputs can be set by hand."""
+        """Add the names that a program declares, so that its inputs can be set by hand while it runs."""
         if program is not None:
             more, known = known_in(program, program.cell), self.known
             self.known = Known(

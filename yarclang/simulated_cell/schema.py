@@ -56,7 +56,7 @@ class CameraTable(Table):
 
 
 class ScriptTable(Document):
-    """A whole script."""
+    """A whole script file."""
 
     inputs: list[InputTable] = Field(default=[])
     cameras: list[CameraTable] = Field(default=[])

@@ -16,7 +16,20 @@ from yarclang.cell.model import Cell
 from yarclang.decisions import bits_of, group_of, inputs_of, is_group, largest_of
 from yarclang.diagnostics import Diagnostic, Result, has_errors, in_order
 from yarclang.frozen import frozen
-from yarclang.hir import Assign, Gap, Program, SetOutput, Signal, WaitInput, WaitUntil, When, searches_of
+from yarclang.hir import (
+    Assign,
+    Gap,
+    Hold,
+    Motion,
+    Program,
+    SetOutput,
+    Signal,
+    Step,
+    WaitInput,
+    WaitUntil,
+    When,
+    searches_of,
+)
 from yarclang.robot.controller import SignalVariable
 from yarclang.robot.kinds import known_signal
 from yarclang.source import SourceFile
@@ -28,7 +41,7 @@ if TYPE_CHECKING:
     from yarclang.simulated_cell.schema import InputTable
 
 _LARGEST_SCRIPT = 1_000_000
-"""Most characters of a script."""
+"""Largest number of characters of a script."""
 
 _STATES = {"ON": 1.0, "OFF": 0.0}
 
@@ -68,7 +81,8 @@ class Known:
         inputs: variables of inputs in the controller, by their names in upper case.
         outputs: variables of outputs in the controller, by their names in upper case.
         places: full places of the program's commands, such as P0020(I=2)>P0010; None if the program isn't
-            known yet.
+            known yet. Only commands whose beginning a run reports: motions, waits for inputs, and holds.
+        unseen: full places of the program's other commands.
         has_places: False if no program will ever be run, so that a script can't name a command.
         signal: function that parses a text in upper case as the variable of an input or output.
         groups: variables of each group of inputs by the group's name, lowest bit first. The bits (JOB.0 and
@@ -80,6 +94,7 @@ class Known:
     inputs: Mapping[str, str]
     outputs: Mapping[str, str]
     places: frozenset[str] | None = None
+    unseen: frozenset[str] = frozenset()
     has_places: bool = True
     signal: Callable[[str], SignalVariable] = known_signal
     groups: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
@@ -94,7 +109,7 @@ def known_in(
     """
     inputs: dict[str, str] = {}
     outputs: dict[str, str] = {}
-    places: set[str] = set()
+    places, unseen = set[str](), set[str]()
     groups: dict[str, tuple[str, ...]] = {}
     if cell is not None:
         inputs.update(cell.inputs)
@@ -109,7 +124,7 @@ def known_in(
         if isinstance(step, Gap):
             continue
         if step.origin.label:
-            places.add(step.origin.label)
+            (places if _is_reported(step) else unseen).add(step.origin.label)
         if isinstance(step, WaitInput):
             inputs[step.input.name.upper()] = step.input.variable
         elif isinstance(step, When | WaitUntil | Assign):
@@ -121,7 +136,22 @@ def known_in(
         elif isinstance(step, SetOutput):
             outputs[step.output.name.upper()] = step.output.variable
     registers = frozenset(one.name for one in program.registers if one.outside)
-    return Known(inputs, outputs, frozenset(places), signal=signal, groups=groups, registers=registers)
+    return Known(
+        inputs,
+        outputs,
+        frozenset(places),
+        frozenset(unseen),
+        signal=signal,
+        groups=groups,
+        registers=registers,
+    )
+
+
+def _is_reported(step: Step) -> bool:
+    """Return True if a run reports the beginning of a command."""
+    if isinstance(step, When):
+        return step.within is not None
+    return isinstance(step, Motion | WaitInput | WaitUntil | Hold)
 
 
 def load_script(path: FilePath, known: Known) -> Result[tuple[Change, ...]]:
@@ -277,15 +307,15 @@ def input_variable(text: str, known: Known) -> str | Diagnostic:
 def is_reached(wanted: str, place: str, before: str = "") -> bool:
     """Return True if a program has reached the command that a script names.
 
-    An index alone, such as P0020, names each command with this index, in each pass of a loop, and each call
-    that has this index: P0020 is reached at P0020(I=2)>P0010, a command in a SUB. An index after `>` names
-    each command with this index in any SUB: P0020(I=2)>P0010 also reaches >P0010.
+    An index alone, such as P0020, names each command with this index, in each pass of a loop. If the command
+    is a call, it is reached at the first command within the called SUB, such as P0020(I=2)>P0010. An index
+    after `>`, such as >P0010, names each command with this index in any SUB, such as P0020(I=2)>P0010.
 
     Args:
         wanted: the name in the script: an index or the full place of a command.
         place: full place of the command that begins.
-        before: full place of the previous command. A call isn't reached again by the commands within the
-            call.
+        before: full place of the previous command. The further commands within a call don't reach the call
+            again.
     """
     parts, there, last = wanted.upper().split(">"), place.upper().split(">"), before.upper().split(">")
     if not parts[0]:
@@ -345,8 +375,8 @@ def _output(text: str, path: Path, known: Known, file: TomlFile) -> tuple[str, f
 
 
 def _place(place: str, path: Path, known: Known, file: TomlFile) -> str | None:
-    """Return the command that a script names in the form for `is_reached`; None, with a finding, if the
-    program has no such command.
+    """Return the name of a command in the form that `is_reached` requires; None, with a finding, if the
+    program has no command that a script calls so.
     """
     if not known.has_places:
         message = f"The place {place[:40]} is of a program, which a controller doesn't know."
@@ -358,6 +388,11 @@ def _place(place: str, path: Path, known: Known, file: TomlFile) -> str | None:
     in_subs = f">{place.strip()}"
     if ">" not in place and any(is_reached(in_subs, one) for one in known.places):
         return in_subs
+    if any(is_reached(one, each) for one in (place, in_subs) for each in known.unseen):
+        message = f"A run doesn't report when the command {place[:40].strip()} begins."
+        help_ = 'Name a motion, a WAIT for an input or a HOLD, or an output: output = "CLAMP=ON".'
+        file.say("Y1618", path, message, help_)
+        return None
     indices = {part for one in known.places for part in [one.partition("(")[0].partition(">")[0]]}
     shown = place[:40].strip()
     near = did_you_mean(re.split(r"[(>]", shown.upper())[0], indices)

@@ -1,7 +1,8 @@
 """The parts (workpieces) and sensors of a cell while a simulated robot moves: poses of parts, values of
 sensors.
 
-Time is an argument; there is no I/O. The caller reports changes of outputs and positions of the robot.
+This module has no clock and does no I/O: its callers pass the time, the changes of outputs, and the positions
+of the robot.
 """
 
 from __future__ import annotations
@@ -24,9 +25,7 @@ from yarclang.robot.model import Array, Robot
 from yarclang.shapes import Shape
 
 ARRIVES_AFTER = 0.5
-"""Time between the moment at which a part has left its place and the arrival of the next part of its kind
-[s].
-"""
+"""Time from the moment at which a part has left its place to the arrival of the next part of its kind [s]."""
 
 
 @frozen(eq=False)
@@ -52,7 +51,7 @@ class _Region:
 def _geometry(shape: Shape) -> Geometry | None:
     try:
         return geometry_of(shape, hull=True)
-    except UnreadableError:  # reported with the collisions
+    except UnreadableError:  # the collision check reports the shape
         return None
 
 
@@ -169,7 +168,7 @@ class Sensing:
         for region in self._regions:
             there = flange @ region.transform if region.on_flange else region.transform
             middle = there[:3, :3] @ region.geometry.middle + there[:3, 3]
-            # Of the bodies of robot and cell, only those are seen that can move relative to the sensor.
+            # Of the robot's and the cell's bodies, a sensor sees only those that can move relative to it.
             moves = (joints > 0) & ((joints < self._robot.size) | (not region.on_flange))
             apart = middles - middle
             near = np.sqrt((apart * apart).sum(axis=1)) <= scene.boxes.bound + region.geometry.bound
@@ -196,8 +195,8 @@ class Sensing:
         return pose
 
     def _moved(self, q: Array) -> Array:
-        """Return displacements of the robot's bodies, as (n + 1, 4, 4) [m]. Number i is that of the bodies
-        that the first i joints move.
+        """Return displacements of the robot's bodies, as (n + 1, 4, 4) [m]. Displacement i is that of all
+        bodies that the first i joints move.
 
         Each displacement maps a body's pose at zero joint positions to its pose at `q` (n,) [rad or m].
         """
@@ -230,8 +229,8 @@ class Sensing:
             self.parts = replace(self.parts, items=(*self.parts.items, *new), expected=rest)
 
     def _is_free(self, expected: Expected, q: Array) -> bool:
-        """Return True if the next part of a kind has room at its place: the part before it is gone, or is so
-        far away that the bounding spheres of both don't overlap.
+        """Return True if the next part of a kind has room at its place: the previous part is gone, or is so
+        far away that the bounding spheres of both parts don't overlap.
         """
         geometry = _geometry(expected.part.body.shape)
         before = next(

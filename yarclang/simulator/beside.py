@@ -8,7 +8,7 @@ from yarclang.robot.model import Array
 from yarclang.simulator.machine import Companion, Machine
 
 _PORT = 9
-"""Number of the machine's port for this access; no client uses it."""
+"""Number of the controller's port that is reserved for this access; no client uses it."""
 
 _SYSTEM = 1
 
@@ -35,12 +35,12 @@ class Beside:
         self._machine.companions.append(companion)
 
     def define(self, variable: str) -> None:
-        """Define an M-variable without an address as a variable with a value of its own."""
+        """Make an M-variable without an address a variable with a value of its own."""
         if variable[0] == "M" and int(variable[1:]) not in self._machine.variables.m:
             self._machine.command(f"{variable}->*", _PORT)
 
     def read(self, variable: str) -> float:
-        """Return the value of a variable. Variables are plain memory: any thread may read them."""
+        """Return the value of a variable. Any thread may call this, since variables are plain memory."""
         return self._machine.variables.read(variable[0], int(variable[1:]), _SYSTEM)
 
     def write(self, variable: str, value: float) -> None:

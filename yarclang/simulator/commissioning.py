@@ -14,7 +14,7 @@ from yarclang.simulator.motion.recorder import Recorder
 
 _MARGIN = 2.0
 _LARGEST = 8_388_607
-"""Largest value of Ixx11, which has 23 bits (TSRM 95)."""
+"""Largest value of Ixx11 (the limit of a motor's following error), which has 23 bits (TSRM 95)."""
 
 
 def commissioned(robot: Robot, settings: str, *, record: Recorder | None = None) -> Machine:
@@ -46,10 +46,11 @@ def commissioned(robot: Robot, settings: str, *, record: Recorder | None = None)
 
 
 def fatal_limit(velocity: float) -> int:
-    """Return a sensible Ixx11 [1/16 count] for a motor: twice its lag at its largest speed [counts/s].
+    """Return a suitable Ixx11 [1/16 count] for a motor: twice its following error at its largest speed, given
+    in counts/s.
 
-    The default of 2,000 counts is only 0.2 mm on a slide of 10,000 counts/mm: the lag at an ordinary speed
-    would already be a fault.
+    The default of 2,000 counts is only 0.2 mm on a linear axis with 10,000 counts/mm. With this limit, the
+    following error at an ordinary speed would already be a fault.
     """
     if not math.isfinite(velocity):
         return int(MOTOR[11])

@@ -6,7 +6,7 @@
     garble:0.001         one reply of 1000 has a wrong byte; also garble@3:0.001
     busy@4:1             answer lines (GETRESPONSE) with a NUL and don't execute them, for 1 s
     reset@7              reset as by $$$
-    following@5:3        motor 3 is 100000 counts from its commanded position; following@5:3,2500: 2500
+    following@5:3        motor 3 is 100000 counts from its commanded position; following@5:3,2500: 2500 counts
     limit@5:2+           the positive limit switch of motor 2 is on; limit@5:2- the negative one
     amplifier@6:1        the amplifier of motor 1 fails
 
@@ -40,12 +40,11 @@ Kind: TypeAlias = Literal[
 
 @dataclass(frozen=True, slots=True)
 class When:
-    """Start of a fault: a time, or a number of program lines. If both are None, the fault starts at the
-    beginning.
+    """Start of a fault: a time, or a number of program lines. If both are None, the fault starts at once.
 
     Attributes:
-        seconds: the machine's time [s].
-        lines: number of program lines written.
+        seconds: the machine's time at which it starts [s].
+        lines: number of written program lines after which it starts.
     """
 
     seconds: float | None = None
@@ -107,7 +106,7 @@ def parse_fault(text: str) -> Fault:
     )
     needs_time, form, values = _READERS[kind]
     if needs_time and condition == When():
-        raise ValueError(f"{text!r} must say when: {kind}@SECONDS or {kind}@lineNUMBER")
+        raise ValueError(f"{text!r} must say when it happens: {kind}@SECONDS or {kind}@lineNUMBER")
     found = values.fullmatch(rest or "")
     if found is None:
         raise ValueError(f"{text!r}: it is written {form}")
@@ -137,11 +136,11 @@ _READERS: dict[str, tuple[bool, str, re.Pattern[str]]] = {
 
 
 class Troubles:
-    """The faults of one session. This object injects faults into the simulated controller when they are due,
-    and delays or garbles replies.
+    """The faults of one session. This object advances the simulated controller's time, injects faults when
+    they are due, and delays or garbles replies.
 
     Args:
-        machine: the controller, whose time is advanced by this object.
+        machine: the controller.
         faults: the faults to inject.
         seed: equal seeds give equal delays and equal wrong bytes.
         tell: function that is called with a line of text for each fault that begins.
@@ -171,7 +170,9 @@ class Troubles:
         return self._machine.now
 
     def advance(self, seconds: float) -> None:
-        """Advance the controller's time [s]. Faults that become due meanwhile begin at their exact times."""
+        """Advance the controller's time [s]. Faults that become due in this interval begin at their exact
+        times.
+        """
         end = self.now + seconds
         while self._ahead:
             times = [fault.when.seconds for fault in self._ahead if fault.when.seconds is not None]
@@ -208,7 +209,9 @@ class Troubles:
         return any(self._lasts("busy"))
 
     def spoil(self, reply: bytes) -> tuple[bytes, float]:
-        """Return the bytes of a reply after garbling, and the delay with which it is sent [s]."""
+        """Garble a reply if a fault requires it. Return its bytes, and the delay with which it is sent
+        [s].
+        """
         if not self._begun or not reply:
             return reply, 0.0
         delay = 0.0
@@ -225,8 +228,9 @@ class Troubles:
         return (self.now < since + fault.seconds for fault, since in self._begun if fault.kind == kind)
 
     def _begin_due(self, now: float | None = None) -> None:
-        """Begin the faults that are due. `now` [s] is the exact time, which the machine's own time may
-        have rounded.
+        """Begin the faults that are due.
+
+        `now` [s] is the exact time; the machine's own time may be slightly less by rounding.
         """
         now = self.now if now is None else max(now, self.now)
         due = [fault for fault in self._ahead if fault.when.is_due(now, self._lines)]

@@ -48,23 +48,23 @@ class Machine:
     """One Turbo PMAC in the state after `$$$***`. `commissioning` creates machines that are ready for a
     robot.
 
-    The machine has no clock: `advance` moves its time from event to event. It has no connections either. A
-    port is a number that is given with each line; it has its own addressing (#, &) and its own open buffer.
+    The machine has no clock: `advance` moves its time from event to event. It has no connections either: each
+    line comes with the number of a port. A port has its own addressing (#, &) and its own open buffer.
 
     Attributes:
         record: records the motions; None for no recording.
         variables: variables and memory.
-        under_way: motors that jog, search their home or abort, outside a coordinate system's program, by
-            number.
-        motors: by number, 1 to 32.
+        under_way: motors with a motion of their own (jog, home search or abort), outside a coordinate
+            system's program, by number.
+        motors: motors by number, 1 to 32.
         systems: coordinate systems by number, 1 to 16.
         ports: ports by number.
         plcs: the PLCs.
         buffers: PROG, PLC and rotary buffers.
         programs: PROG buffers by number.
         background: interpreter of the lines that programs send (CMD).
-        unknown_words: for each word of programs that the simulator skips, how often it was met, in the order
-            of first use.
+        unknown_words: the words of programs that the simulator skips, in the order of their first use,
+            each with its number of uses.
         companions: machines outside of the controller that run in its time.
     """
 
@@ -112,7 +112,7 @@ class Machine:
         return (min(max(self.variables.i[8], 0.0), 255.0) + 1.0) * self.servo_period
 
     def advance(self, seconds: float) -> None:
-        """Advance the time [s], and run the motions, PLCs and programs of this interval."""
+        """Advance the time [s], and execute the motions, PLCs and programs of this interval."""
         end = self._now + seconds
         while (when := self._next_event()) <= end:
             self._now = max(when, self._now)
@@ -209,7 +209,7 @@ class Machine:
         self.background.put(text, system, motor)
 
     def unknown(self, word: str) -> None:
-        """Count a word of a program that is skipped."""
+        """Count a word of a program that the simulator skips."""
         if word in self.unknown_words or len(self.unknown_words) < _MOST_WORDS:
             self.unknown_words[word] = self.unknown_words.get(word, 0) + 1
 
@@ -217,7 +217,7 @@ class Machine:
         """Execute ENABLE, DISABLE, PAUSE or RESUME for PLCs."""
         self.plcs.switch(name, numbers)
 
-    # for the parts of the machine
+    # for the components of the machine
 
     def changed(self, motors: Sequence[Motor]) -> None:
         """Record that motors move differently from now on."""
@@ -267,7 +267,8 @@ class Machine:
         self.motors[motor].amplifier_fault = False
 
     def set_limit_switch(self, motor: int, side: int, on: bool) -> None:
-        """Set the state of a limit switch of a motor. If Ixx24 bit 17 disables the switches, it stays off.
+        """Set the state of a limit switch of a motor. If Ixx24 bit 17 disables the switches, the switch stays
+        off.
 
         Args:
             motor: number of the motor.
@@ -337,5 +338,5 @@ class Machine:
         if self.record is None:
             raise ValueError("positions of the past need a recorder")
         if len(times) and max(times) > self._now + 1e-9:
-            raise ValueError("the future isn't known")
+            raise ValueError("positions of the future aren't known")
         return np.stack([self.record.positions(n, times) for n in numbers], axis=1)

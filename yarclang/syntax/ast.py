@@ -1,7 +1,7 @@
 """The syntax tree: the statements of a program as written. No name in it is resolved.
 
-A place in the tree is relative to its statement. An unchanged statement therefore has the same value wherever
-it is moved in the file; `Statement.span` returns the place in the file.
+Places in the tree are relative to their statement. A statement that only moves to another line therefore
+keeps its content; `Statement.span` returns places in the file.
 """
 
 from __future__ import annotations
@@ -87,27 +87,27 @@ class Parameter:
 
 
 Value = Number | Word | Text | Other | Computed | FrameName | Quantity | NamedValue | Parameter
-"""A value: an item that blanks separate from others.
+"""A value: a piece of text between blanks.
 
-Frames, quantities and named values occur only among CALL's arguments; frames and parameters only in the head
-of a SUB.
+Some kinds occur only in certain places: frames among CALL's arguments and in the head of a SUB, quantities
+and named values among CALL's arguments, and parameters in the head of a SUB.
 """
 
 
 Item = Value | Percent | ComputedPercent
-"""An item of a way-point, including its time."""
+"""A value of a waypoint, or an item in the square brackets after it, such as a percentage."""
 
 
 @frozen
 class Rate:
-    """Velocities or accelerations of all joints at a way-point: VEL or ACC, and their values."""
+    """Velocities or accelerations of all joints at a waypoint: VEL or ACC, and their values."""
 
     word: Word
     values: tuple[Value, ...]
 
     @property
     def place(self) -> Place:
-        """Return the place from the word to the last value that is in the same row."""
+        """Return the place from VEL or ACC to the last value in the same row."""
         row = self.word.place.row
         last = [value.place for value in self.values if value.place.row == row]
         return Place(row, self.word.place.start, (last[-1] if last else self.word.place).end)
@@ -115,11 +115,11 @@ class Rate:
 
 @frozen
 class WayPoint:
-    """A way-point of a motion: the values between two semicolons. In a line without way-points, the words,
-    arguments or parameters of the line.
+    """A waypoint of a motion: its values, which end at a semicolon. A line of another kind has one waypoint
+    with its words, arguments or parameters.
 
-    `time` is the way-point's own time in square brackets, `velocity` and `acceleration` are the VEL and ACC
-    after it. The time of the last way-point is the motion time of its statement, and is stored in the
+    `time` is the waypoint's own time in square brackets, `velocity` and `acceleration` are the VEL and ACC
+    after it. The time of the last waypoint is the motion time of its statement, and is stored in the
     statement.
     """
 
@@ -130,7 +130,7 @@ class WayPoint:
 
     @property
     def items(self) -> tuple[Item, ...]:
-        """Return all items of the way-point: values, its time, velocities, accelerations."""
+        """Return all items of the waypoint: values, its time, velocities, accelerations."""
         if self.time is None and self.velocity is None:  # nearly always
             return self.values
         rates = [rate.values for rate in (self.velocity, self.acceleration) if rate is not None]
@@ -138,7 +138,9 @@ class WayPoint:
 
     @property
     def place(self) -> Place:
-        """Return the place from the first value to the last value that is in the same row."""
+        """Return the place of the values. If they continue in another row, the place ends with their first
+        row.
+        """
         first, last = self.values[0].place, self.values[-1].place
         if last.row != first.row:
             last = [value.place for value in self.values if value.place.row == first.row][-1]
@@ -147,7 +149,7 @@ class WayPoint:
 
 @frozen
 class Time:
-    """The content of square brackets; the `<=` of `[V<=500]` is an item."""
+    """The content of square brackets, such as `[5]` or `[V<=500]`. The `<=` is an item of its own."""
 
     items: tuple[Number | Word | Percent | Other | Computed | ComputedPercent, ...]
     place: Place
@@ -185,12 +187,13 @@ class Comment:
 
 @frozen
 class Statement:
-    """A command (with an index) or a declaration, with its elements in the order in which the language writes
-    them.
+    """A command (with an index) or a declaration. The fields are in the order in which the elements of a line
+    are written.
 
-    `line` is the number of its first line in the file, `rows` the number of its lines. Names and values that
-    are no way-points are also stored in `waypoints`, as a single way-point: SUB's name and parameters, CALL's
-    name and arguments, the name of a LET. `expression` is the value of a LET, or the condition of an IF.
+    `line` is the number of its first line in the file, `rows` the number of its lines. Some statements have
+    no waypoints; `waypoints` then holds their names and values as if they were one waypoint: SUB's name and
+    parameters, CALL's name and arguments, the name of a LET. `expression` is a value or a condition,
+    such as that of a LET or an IF.
     """
 
     line: int
@@ -253,7 +256,7 @@ class Statement:
 
     @property
     def _last_place(self) -> Place:
-        """Return the place of the statement's last element; elements have a fixed order."""
+        """Return the place of the statement's last element. The order of elements is fixed."""
         if self.options:
             option = self.options[-1]
             return (option.state or option.argument or option.word).place
@@ -269,7 +272,7 @@ class Statement:
 
 @frozen
 class Block:
-    """The statements from a SUB, REPEAT, IF or WHEN to its END.
+    """The statements from the first line of a block, such as SUB, REPEAT or WHEN, to its END.
 
     `otherwise` has the statements after ELSE, and is None without an ELSE; for a WAIT with an ELSE, it has
     all statements of the block. `otherwise_head` and `end` are the statements ELSE and END themselves; they

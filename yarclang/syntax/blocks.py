@@ -26,10 +26,11 @@ def arrange(module: Module) -> Result[tuple[Node, ...]]:
     """Arrange the statements of a file in blocks.
 
     Returns:
-        The statements and blocks in order, and a finding for each misplaced statement; never None. If an END
-        is missing, it is assumed at the end of the file, or before a line that can't be in a block. An END or
-        ELSE without a block is dropped. The content of a block is dropped if the block's first line couldn't
-        be read, or if the block is nested too deep. A statement that isn't allowed in its block stays there.
+        The statements and blocks in order, and a finding for each misplaced statement. The value is never
+        None. If an END is missing, it is assumed at the end of the file, or before a line that can't be in a
+        block. An END or ELSE without a block is dropped. The content of a block is dropped if the block's
+        first line couldn't be read, or if the block is nested too deep. A statement that isn't allowed in its
+        block stays there.
     """
     if not module.unreadable_lines and not any(map(_needs_arranging, module.statements)):
         return Result(module.statements)
@@ -49,8 +50,8 @@ def arrange(module: Module) -> Result[tuple[Node, ...]]:
 
 
 def _needs_arranging(statement: Statement) -> bool:
-    """Return True if a statement begins, divides or ends a block, or is a declaration with an index. In a
-    long program, hardly any line does.
+    """Return True if a statement begins, divides or ends a block, or is a declaration with an index. If a
+    program has no such statement, its statements needn't be arranged.
     """
     word = statement.name.name
     return (word in _ARRANGED and (statement.index is not None or word in _OF_BLOCKS)) or statement.waits_else
@@ -103,7 +104,7 @@ class _Arrangement:
         self.nodes: list[Node] = []
         self.open: list[_Open] = []
         self.missing = 0
-        """Number of missing ENDs from here to the end of the file."""
+        """Number of ENDs that are missing in the file, without those that were already assumed."""
         self.too_deep = 0
         """Number of open blocks beyond the deepest level."""
         self.too_deep_told = False
@@ -112,7 +113,7 @@ class _Arrangement:
         """Add the next line; `statement` is None if it couldn't be read."""
         if word in DECLARATIONS and statement is not None and statement.index is not None:
             span = statement.span(statement.index.place)
-            self.findings.add("Y0117", f"{word} is no command and has no index", span, "take the index away")
+            self.findings.add("Y0117", f"{word} is no command and has no index", span, "remove the index")
         if word in _TOP_LEVEL and self.open and not self.too_deep and statement is not None:
             self._leave_blocks(statement)
         if word in BLOCK_HEADS or (statement is not None and statement.waits_else):
@@ -145,8 +146,8 @@ class _Arrangement:
         self.too_deep += 1
         if not self.too_deep_told:
             span = head.span(head.name.place) if head else Span.on_line(line, 1, 2)
-            message = f"more than {DEEPEST_BLOCK} blocks stand inside each other"
-            self.findings.add("Y0112", message, span, "make a SUB of the inner ones")
+            message = f"more than {DEEPEST_BLOCK} blocks are nested"
+            self.findings.add("Y0112", message, span, "move the inner blocks into a SUB")
             self.too_deep_told = True
 
     def _end(self, statement: Statement | None) -> None:
@@ -156,13 +157,13 @@ class _Arrangement:
             block = self.open.pop()
             self._nodes().extend(block.closed(statement))
         else:
-            self.missing += 1  # it was counted as the END of another block
+            self.missing += 1  # `missing` counted this END, but it ends no block
             if statement is not None:
-                help_ = "take it away, or write the REPEAT, IF, WHEN, CASE, LOOP, WHILE or SUB that it ends"
-                self._refuse("Y0114", "this END ends nothing: no block is open", statement, help_)
+                help_ = "remove it, or write the REPEAT, IF, WHEN, CASE, LOOP, WHILE or SUB that it ends"
+                self._refuse("Y0114", "this END has no block to end", statement, help_)
 
     def _until(self, statement: Statement | None) -> None:
-        """End the innermost LOOP. Blocks that are still open inside it lack their END."""
+        """End the innermost LOOP. If other blocks are open inside it, report that their END is missing."""
         if self.too_deep:
             self.too_deep -= 1
             return
@@ -172,14 +173,14 @@ class _Arrangement:
                 self._close(f"this UNTIL in line {statement.line}" if statement else "UNTIL")
             self._end(statement)
         elif statement is not None:
-            self.missing += 1  # it was counted as the end of another block
+            self.missing += 1  # `missing` counted this UNTIL, but it ends no block
             what = (
                 f"the {self.open[-1].word} of line {self.open[-1].line} is open here"
                 if self.open
                 else "no block is open"
             )
-            help_ = "UNTIL ends a LOOP: write LOOP in front of the lines that are repeated"
-            self._refuse("Y0114", f"this UNTIL ends nothing: {what}", statement, help_)
+            help_ = "write LOOP before the lines that are repeated"
+            self._refuse("Y0114", f"this UNTIL has no LOOP to end: {what}", statement, help_)
 
     def _otherwise(self, statement: Statement | None) -> None:
         if self.too_deep:
@@ -194,19 +195,20 @@ class _Arrangement:
 
     def _refuse_else(self, statement: Statement) -> None:
         if not self.open:
-            help_ = "ELSE stands between an IF, WHEN or CASE and its END"
-            self._refuse("Y0114", "this ELSE belongs to nothing: no block is open", statement, help_)
+            help_ = "write ELSE between an IF, WHEN or CASE and its END"
+            self._refuse("Y0114", "this ELSE is not in a block", statement, help_)
             return
         block = self.open[-1]
         if block.otherwise is not None:
             first = f" in line {block.otherwise_head.line}" if block.otherwise_head else ""
-            message = f"the {block.word} of line {block.line} has an ELSE already{first}"
+            message = f"the {block.word} of line {block.line} already has an ELSE{first}"
             help_ = "for a third case write an IF after the first ELSE, with an END of its own"
         else:
             message = (
-                f"the {block.word} of line {block.line} is open here, and only IF, WHEN and CASE have an ELSE"
+                f"the {block.word} of line {block.line} is open here, and can't have an ELSE: only IF, WHEN "
+                "and CASE can"
             )
-            help_ = "take it away, or write the END that is missing above it"
+            help_ = "remove it, or write the END that is missing above it"
         self._refuse("Y0115", message, statement, help_)
 
     def _leave_blocks(self, statement: Statement) -> None:
@@ -219,7 +221,7 @@ class _Arrangement:
                 self._close(f"the {word} in line {statement.line}")
             return
         block = self.open[-1]
-        message = f"{word} can't stand in a block: the {block.word} of line {block.line} is open here"
+        message = f"{word} isn't allowed in a block: the {block.word} of line {block.line} is open here"
         help_ = (
             f"move it above line {self.open[0].line}; blocks hold commands, FRAME, POSE, JOINTS, LET and "
             "blocks other than SUB"
@@ -240,5 +242,5 @@ class _Arrangement:
 
 
 def _place(diagnostic: Diagnostic) -> tuple[Span, str]:
-    assert diagnostic.span is not None  # all of them have a place
+    assert diagnostic.span is not None  # every finding of this module has a place
     return diagnostic.span, diagnostic.code

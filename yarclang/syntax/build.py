@@ -1,5 +1,5 @@
-"""Convert the parse tree of the Lark library to a statement. The nodes of its expressions exist already
-(nodes.py).
+"""Build a statement from the parse tree of the Lark library. The nodes of its expressions have already been
+built, by nodes.py.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ def statement(text: str, tree: Any) -> Statement:
         elif kind == "option":
             at_most = len(children) > 1 and getattr(children[1], "type", None) == "AT_MOST"
             options.append(_option(_items(rows, children), at_most=at_most))
-        else:  # call, sub, let, func, condition, waits, lone
+        else:  # the rules call, sub, let, func, condition, waits, lone
             if kind in {"let", "func", "condition", "waits"}:
                 expression = _sound(children[-1])
                 children = children[: {"let": 2, "func": -1}.get(kind, 1)]
@@ -109,8 +109,8 @@ def statement(text: str, tree: Any) -> Statement:
 
 
 def _waypoints(rows: Rows, children: Any) -> tuple[tuple[WayPoint, ...], Time | None]:
-    """Build the way-points of a statement, each with its time, velocity and acceleration. Also return the
-    time of the last one, which is the motion's.
+    """Build the waypoints of a statement, each with its time, velocity and acceleration. Also return the
+    time of the last waypoint, which is the motion time.
     """
     waypoints: list[WayPoint] = []
     parts: dict[str, Any] = {}
@@ -130,8 +130,8 @@ def _waypoints(rows: Rows, children: Any) -> tuple[tuple[WayPoint, ...], Time | 
 
 
 def _items(rows: Rows, children: Any) -> list[Any]:
-    """Build syntax nodes from tokens and small trees; a token with several numbers is split into single
-    numbers.
+    """Build the syntax nodes of tokens and subtrees. A token with several numbers gives one node for each
+    number.
     """
     found: list[Any] = []
     computed = False
@@ -214,14 +214,14 @@ def _computed_percent(rows: Rows, children: list[Any]) -> list[ComputedPercent]:
     return [ComputedPercent(computed.text + "%", computed.expression, place)]
 
 
-def _measured(rows: Rows, children: list[Any]) -> list[Number | Quantity]:  # noqa: ARG001  (called as its siblings)
-    """Build numbers; the last of them has a unit."""
+def _measured(rows: Rows, children: list[Any]) -> list[Number | Quantity]:  # noqa: ARG001  (as all builders)
+    """Build the numbers before a unit. The unit belongs to the last number only."""
     *others, number = _numbers(children[0])
     unit = Word(str(children[2]), place_of(children[2]))
     return [*others, Quantity(number, unit, from_to(number.place, place_of(children[3])))]
 
 
-def _parameter(rows: Rows, children: list[Any]) -> list[Parameter]:  # noqa: ARG001  (called as its siblings)
+def _parameter(rows: Rows, children: list[Any]) -> list[Parameter]:  # noqa: ARG001  (as all builders)
     word = Word(str(children[0]), place_of(children[0]))
     if len(children) == 1:
         return [Parameter(word, None, word.place)]
@@ -234,7 +234,7 @@ def _default(rows: Rows, children: list[Any]) -> list[Any]:
     word = _name_of(children[0])
     first, *others = _items(rows, children[1:2])
     if others:
-        message = f"{word.text} has one default; `{others[0].text}` is one too many"
+        message = f"{word.text} can have only one default; `{others[0].text}` is a second one"
         help_ = f"write {word.name}={first.text}, and blanks between parameters"
         raise FaultError(Fault("Y0101", message, help_, others[0].place))
     if len(children) == 2:
@@ -279,7 +279,7 @@ def _check_blanks(values: list[Any]) -> None:
                 Fault(
                     "Y0101",
                     message,
-                    "blanks stand between values, and all of an expression in its brackets",
+                    "write blanks between values, and a whole expression in brackets",
                     following.place,
                 )
             )
@@ -288,13 +288,15 @@ def _check_blanks(values: list[Any]) -> None:
 def _sound(expression: Expression) -> Expression:
     """Return the expression if it isn't nested too deep; otherwise raise a fault."""
     if is_too_deep(expression):
-        message = f"more than {DEEPEST_EXPRESSION} operators, functions and brackets stand inside each other"
-        raise FaultError(Fault("Y0112", message, "give parts of it a name with LET", expression.place))
+        message = f"more than {DEEPEST_EXPRESSION} operators, functions and brackets are nested"
+        raise FaultError(Fault("Y0112", message, "compute parts of it by LET", expression.place))
     return expression
 
 
 def _bracket(children: list[Any]) -> Place:
-    """Return the place from an opening bracket to the closing one, in the opening bracket's row."""
+    """Return the place of a pair of brackets and their content. If the closing bracket is in another row,
+    return the place of the opening bracket.
+    """
     first, last = children[0], children[-1]
     same = first.line == last.line
     return Place(first.line - 1, first.column, last.column + 1 if same else first.column + 1)
@@ -312,13 +314,13 @@ def _option(items: list[Any], *, at_most: bool) -> Option:
     if at_most:
         sign, *values = values
         if not values:
-            message = f"{word.name} <= takes a value"
+            message = f"{word.name} <= needs a value"
             raise FaultError(Fault("Y0101", message, f"for example {word.name} <=10", sign.place))
     if word.name in ("UNTIL", "ALLOW") and len(values) == 2 and isinstance(values[0], Word):
         return Option(word, values[0], at_most, values[1])
     if len(values) > 1:
-        message = f"{word.name} takes one value; `{values[1].text}` is one too many"
-        raise FaultError(Fault("Y0101", message, "take it away", values[1].place))
+        message = f"{word.name} takes one value; `{values[1].text}` is a second one"
+        raise FaultError(Fault("Y0101", message, "remove it", values[1].place))
     return Option(word, values[0] if values else None, at_most)
 
 

@@ -1,9 +1,9 @@
 """The characters of a program: which are allowed in code, comments and texts, and substitutes for the others.
 
-Code consists of blanks, tabs and the printable characters of ASCII. Any other character either looks like one
-of these (a no-break space, a minus sign) or is invisible, so that people would read it differently from the
-compiler. In comments and texts, all characters are allowed except those that people may see differently: line
-ends that only some editors know, characters that change the direction of writing, and control characters.
+Code consists of blanks, tabs and the printable characters of ASCII. Other characters may look like one of
+these (a no-break space, a minus sign) or be invisible: people would read something else than the compiler. In
+comments and texts, all characters are allowed except those that editors show in different ways: line ends
+that only some editors know, characters that change the direction of writing, and control characters.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ _CONTROLS = {
 }
 """Names of characters for which the Unicode standard has no name, or only a name that few people know."""
 
-NOT_TEXT = "save the program as UTF-8 text; or another file was meant"
+NOT_TEXT = "save the program as UTF-8 text, or give another file"
 
 
 def is_plain(text: str) -> bool:
@@ -95,7 +95,9 @@ def instead_of(character: str) -> str | None:
 
 @frozen
 class _Found:
-    """A character that isn't allowed in its place: in code, or in a comment or a text (`where`)."""
+    """A character that isn't allowed where it stands. `where` names a comment or a text; it is empty for
+    code.
+    """
 
     character: str
     row: int
@@ -104,8 +106,8 @@ class _Found:
 
 
 def fault_in(text: str) -> Fault | None:
-    """Return a fault for the first character of a statement that isn't allowed there, with a fix for all
-    of them.
+    """Return a fault if a statement has characters that aren't allowed where they stand. The fault's place is
+    the first of them; its fix replaces all of them.
     """
     if is_plain(text):
         return None
@@ -114,9 +116,10 @@ def fault_in(text: str) -> Fault | None:
     if not faults:
         return None
     first = next((one for one in faults if is_not_text(one.character)), faults[0])
-    message = f"{_called(first.character)} can't stand in {first.where or 'code'}"
+    message = f"{_called(first.character)} isn't allowed in {first.where or 'code'}"
     if others := len(faults) - 1:
-        message += f"; {others:,} more of this statement can't either"
+        verb = "is" if others == 1 else "are"
+        message += f", and neither {verb} {others:,} more of this statement"
     place = Place(first.row, first.column, first.column + 1)
     code = "Y0103" if is_not_text(first.character) else "Y0118"
     return Fault(code, message, _help(first), place, *_fix(rows, faults))
@@ -155,7 +158,7 @@ def _is_half(character: str) -> bool:
 
 
 def _called(character: str) -> str:
-    """Return a character as a sentence names it: its glyph, if it is visible, and its name."""
+    """Return a character's description for a message: its glyph, if it is visible, and its name."""
     name = character_name(character)
     if character.isprintable() and not character.isspace() and character not in _UNSEEN:
         return f"`{character}` ({name})"
@@ -167,27 +170,24 @@ def _help(found: _Found) -> str:
     if is_not_text(character):
         return NOT_TEXT
     if character in _TURNS:
-        return "take it away: it makes editors show the line in another order than it is read"
+        return "remove it: it changes the order in which editors show the line"
     if character in _BREAKS:
         if found.where:
-            return "take it away: some editors end the line there, and what follows would look like code"
+            return "remove it: some editors end the line there, and what follows would look like code"
         return "write a plain blank, or begin a new line there"
     put = instead_of(character)
     if put == " ":
         return "write a plain blank"
     if put == "":
-        return "take it away: it can't be seen"
+        return "remove it: it can't be seen"
     if put is not None:
         return f"write `{put}`"
-    return (
-        "code has the letters A to Z, digits, and the signs of ASCII; other characters stand in comments "
-        "and in texts"
-    )
+    return "use only ASCII characters in code; others are allowed in comments and texts"
 
 
 def _ends(row: str) -> frozenset[int]:
-    """Return the characters in a line that only some editors treat as line ends. If a statement follows them,
-    the fix replaces them by real line ends.
+    """Return the positions in a line at which only some editors end the line, and after which a statement
+    begins. The fix writes a real line end there.
     """
     ends: list[int] = []
     opens: bool | None = None

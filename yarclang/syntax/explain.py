@@ -1,4 +1,4 @@
-"""Explain why a statement can't be parsed: one sentence, its place, and a help."""
+"""Explain why a statement can't be parsed: a message of one sentence, its place, and a help text."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def unexpected(text: str, token: Any, expected: Collection[str], stack: Sequence
     if before == "LET":
         return _no_name(token, place)
     if "FUNC" in kinds and "ASSIGN" not in kinds:
-        return Fault("Y0101", f"{called(token)} can't stand {_place_in_function(kinds)}", _FUNC, place)
+        return Fault("Y0101", f"{called(token)} isn't allowed {_place_in_function(kinds)}", _FUNC, place)
     if "ASSIGN" in expected:
         return _no_equals(text, token, place, stack)
     if before == "LONE":
@@ -53,7 +53,7 @@ def unexpected(text: str, token: Any, expected: Collection[str], stack: Sequence
     if expected == {"RPAR"}:
         return _second_unit(token, place, stack)
     if "SUB" in kinds:
-        return Fault("Y0101", f"{called(token)} can't stand in the head of a SUB", _SUB, place)
+        return Fault("Y0101", f"{called(token)} isn't allowed in the head of a SUB", _SUB, place)
     if token.type == "$END":
         return _incomplete(place, expected, stack)
     if token.type not in {"VARIABLE", "OPEN"} and (fault := _dollar(text, place)):
@@ -76,10 +76,10 @@ def unexpected_character(text: str, place: Place, expected: Collection[str]) -> 
     if character == '"':
         return Fault("Y0102", "this text is not closed", 'close it with `"` in the same line', place)
     if character == "}":
-        return Fault("Y0102", "a closing bracket `}` closes nothing", "take it away", place)
+        return Fault("Y0102", "this `}` has no opening bracket", "remove it", place)
     if "NUMBER" in expected or "OR" in expected:
         return foreign(text, place) or strange(text, place)
-    message = f"the character `{character}` (U+{ord(character):04X}) can't stand here"
+    message = f"the character `{character}` (U+{ord(character):04X}) isn't allowed here"
     return _dollar(text, place) or Fault("Y0101", message, _ORDER, place)
 
 
@@ -96,7 +96,7 @@ def _cut_frame(row: str, place: Place) -> Fault | None:
         "{PALLET.CORNER}"
     )
     if match[1].endswith('"'):
-        return Fault("Y0101", '`"` starts a text, and no text can stand in braces', help_, here)
+        return Fault("Y0101", '`"` starts a text, and no text is allowed in braces', help_, here)
     return Fault("Y0102", "`!` starts a comment, and the `{` before it is not closed", help_, here)
 
 
@@ -122,7 +122,7 @@ def _place_in_function(kinds: Sequence[str]) -> str:
 
 
 def _no_equals(text: str, token: Any, place: Place, stack: Sequence[Any]) -> Fault:
-    help_ = f"the unit stands after the number: {_LET}" if token.type == "LPAR" else _LET
+    help_ = f"write the unit after the number: {_LET}" if token.type == "LPAR" else _LET
     missing = Fault("Y0101", f"`=` is missing after {stack[-1]}", help_, place)
     return foreign(text, place) or missing
 
@@ -131,25 +131,25 @@ def _not_alone(token: Any, place: Place, stack: Sequence[Any]) -> Fault:
     word = str(stack[-1]).upper()
     help_ = "END ends the innermost block, whatever its kind"
     if word == "ELSE":
-        help_ = "write what comes then in the next line; an IF there needs its own END"
-    return Fault("Y0101", f"{word} stands alone, without {called(token)}", help_, place)
+        help_ = "write the rest in the next line; an IF there needs its own END"
+    return Fault("Y0101", f"{word} must be alone in its line, without {called(token)}", help_, place)
 
 
 def _no_unit(text: str, token: Any, place: Place) -> Fault:
     if token.type == "$END":
         return not_closed("(", Place(place.row, place.start - 1, place.start))
     match = _RUN.match(text.split("\n")[place.row], place.start - 1)
-    message = f"a unit stands in the brackets, not `{match.group() if match else token}`"
+    message = f"these brackets must hold a unit, not `{match.group() if match else token}`"
     if token.type == "RPAR":
-        message = "no unit stands between the brackets"
-    help_ = "a bracket after a number holds its unit: 60 (mm); a product has a `*`"
+        message = "the brackets have no unit"
+    help_ = "write a unit in them, as in 60 (mm), or `*` for a product"
     return Fault("Y0101", message, help_, place)
 
 
 def _second_unit(token: Any, place: Place, stack: Sequence[Any]) -> Fault:
     if token.type in {"$END", "LSQB", "FRAME", "LPAR", "STRING"}:
         return unclosed(stack)
-    message = f"one number has one unit: {called(token)} can't stand here"
+    message = f"one number has one unit: {called(token)} isn't allowed here"
     return Fault("Y0101", message, "write each unit after its number: 20 (mm) 1.5 (s)", place)
 
 
@@ -162,9 +162,9 @@ def _incomplete(place: Place, expected: Collection[str], stack: Sequence[Any]) -
     if "RSQB" in expected or "RPAR" in expected:
         return unclosed(stack)
     if "NUMBERS" in expected:
-        help_ = "write the next way-point, or take the semicolon away"
-        return Fault("Y0101", "the list of way-points ends with a semicolon", help_, place)
-    return Fault("Y0101", "a command's name is missing", _ORDER, place)
+        help_ = "write the next waypoint, or remove the semicolon"
+        return Fault("Y0101", "the list of waypoints ends with a semicolon", help_, place)
+    return Fault("Y0101", "the name of the command is missing", _ORDER, place)
 
 
 def _dollar(text: str, place: Place) -> Fault | None:
@@ -176,21 +176,21 @@ def _dollar(text: str, place: Place) -> Fault | None:
         return None
     place = Place(place.row, place.start, place.start + len(run))
     if run.endswith("$") and row.startswith("(", place.end - 1):
-        help_ = "put all of it into the brackets: $(...)"
+        help_ = "put the whole expression in brackets: $(...)"
         if run in {"-$", "+$"}:
-            help_ = "put the sign into the brackets: $(-(...))"
+            help_ = "put the sign inside the brackets: $(-(...))"
         return Fault("Y0101", f"`{run}(` can't be read: one value runs into another", help_, place)
-    message, help_ = f"`{run}` can't be read: an expression stands in brackets", ""
+    message, help_ = f"`{run}` can't be read: an expression needs brackets", ""
     if run == "$":
         message = "`$` must be followed by a name, or by an expression in round brackets"
         help_ = "write $NAME or $(2*NAME)"
     elif re.fullmatch(r"\$[0-9.]+", run):
-        message, help_ = f"`{run}` can't be read", "a number stands without `$`"
+        message, help_ = f"`{run}` can't be read", "write the number without `$`"
     elif run.endswith(","):
-        message, help_ = f"`{run}` can't be read", "blanks stand between values, no commas"
+        message, help_ = f"`{run}` can't be read", "write blanks between values, not commas"
     elif re.search(r"[A-Za-z0-9_.]\$", run):
         message = f"`{run}` can't be read: one value runs into another"
-        help_ = "blanks stand between values; a product is written $(2*NAME)"
+        help_ = "write blanks between values, or $(2*NAME) for a product"
     elif re.fullmatch(r"\$[A-Za-z0-9_.]+", run):
         message, help_ = f"`{run}` can't be read", "write $NAME, or $MODULE.NAME"
     else:
@@ -202,20 +202,20 @@ def _out_of_order(token: Any, place: Place, expected: Collection[str], kinds: Se
     what = called(token)
     before = kinds[-1] if kinds else ""
     if token.type in {"RSQB", "RPAR"}:
-        return Fault("Y0102", f"{what} closes nothing", "take it away, or open the bracket", place)
+        return Fault("Y0102", f"{what} has no opening bracket", "remove it, or open the bracket", place)
     if before == "_SEMICOLON":
-        message = "the list of way-points ends with a semicolon"
-        help_ = "write the next way-point, or take the semicolon away"
+        message = "the list of waypoints ends with a semicolon"
+        help_ = "write the next waypoint, or remove the semicolon"
         if token.type == "_SEMICOLON":
-            message = "an empty way-point: two semicolons with nothing between"
-            help_ = "take one away"
+            message = "an empty waypoint: there is nothing between two semicolons"
+            help_ = "remove one"
         return Fault("Y0101", message, help_, place)
     if "CALL" in kinds or "call" in kinds:
-        return Fault("Y0101", f"{what} can't stand here", _CALL, place)
+        return Fault("Y0101", f"{what} isn't allowed here", _CALL, place)
     if token.type == "_SEMICOLON" and "NUMBERS" in expected and before != "OPTION":
-        message = "an empty way-point: nothing stands before the semicolon"
-        return Fault("Y0101", message, "take it away", place)
+        message = "an empty waypoint: there is nothing before the semicolon"
+        return Fault("Y0101", message, "remove it", place)
     if set(expected) <= _BEGINNINGS:
         message = f"a statement begins with an index and a command's name, not with {what}"
         return Fault("Y0101", message, _ORDER, place)
-    return Fault("Y0101", f"{what} can't stand here", _ORDER, place)
+    return Fault("Y0101", f"{what} isn't allowed here", _ORDER, place)

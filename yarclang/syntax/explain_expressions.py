@@ -18,18 +18,18 @@ _PIECE = re.compile(r".[^ \t]*")
 _LAST_PIECE = re.compile(r'[^\s()+\-*/%<>=,;\[\]{}!"]+$|\S$')
 
 _FOREIGN = {
-    "===": "equal is `=`",
-    "==": "equal is `=`",
-    "!=": "unequal is `<>`; `!` starts a comment",
-    "=<": "less or equal is `<=`",
-    "=>": "greater or equal is `>=`",
+    "===": "write `=` for equal",
+    "==": "write `=` for equal",
+    "!=": "write `<>` for unequal; `!` starts a comment",
+    "=<": "write `<=` for less or equal",
+    "=>": "write `>=` for greater or equal",
     "&&": "write AND",
     "||": "write OR",
     "//": "write FLOOR(a / b)",
     "<<": "write *2 or *2**n",
     ">>": "write FLOOR(a / 2**n)",
     ":=": "write `=`",
-    "^": "a power is `**`",
+    "^": "write `**` for a power",
     "&": "write AND",
     "|": "write OR",
     "~": "write NOT",
@@ -46,10 +46,10 @@ _FOREIGN = {
     "°": "write the unit after the number, `30 (deg)`",
 }
 _FOREIGN_WORDS = {
-    "MOD": "the remainder is `%`",
+    "MOD": "write `%` for the remainder",
     "DIV": "write FLOOR(a / b)",
     "XOR": "write `<>` between two comparisons in brackets",
-    "THEN": "nothing may follow the condition; the commands have lines of their own, up to END",
+    "THEN": "end the line after the condition; write the commands in the next lines, up to END",
 }
 
 
@@ -59,19 +59,19 @@ def no_operand(text: str, token: Any, place: Place, stack: Sequence[Any]) -> Fau
     if fault := _cut_off(text, token, place) or foreign(text, place):
         return fault
     if token.type == "NOT":
-        message = f"NOT can't stand after `{last}`: it binds weaker"
+        message = f"NOT isn't allowed after `{last}`, which binds more strongly"
         return Fault("Y0101", message, "put it in brackets: (NOT A)", place)
     if token.type == "VARIABLE":
-        message = "inside an expression a name stands without `$`"
+        message = "inside an expression write names without `$`"
         return Fault("Y0101", message, f"write {str(token)[1:]}", place)
     if token.type == "OPEN":
-        return Fault("Y0101", "inside an expression a bracket stands without `$`", "write (", place)
+        return Fault("Y0101", "inside an expression write brackets without `$`", "write (", place)
     if token.type in {"FRAME", "STRING", "OTHER"}:
         return strange(text, place)
     opened = open_brackets(stack)
     innermost = bool(opened) and opened[-1] is last
     if innermost and token.type == "RPAR":
-        return Fault("Y0101", "nothing stands between these brackets", "write a number or a name", place)
+        return Fault("Y0101", "these brackets are empty", "write a number or a name", place)
     if innermost and token.type in _ENDS:
         return unclosed(stack)
     if kind_of(last) == "IF":
@@ -92,7 +92,7 @@ def no_operand(text: str, token: Any, place: Place, stack: Sequence[Any]) -> Fau
     help_ = "write a number, a name, or an expression in brackets"
     if str(last) == "%":
         help_ += "; `%` is the remainder of a division"
-    return Fault("Y0101", f"an operand is missing after `{last}`", help_, place)
+    return Fault("Y0101", f"a number or name is missing after `{last}`", help_, place)
 
 
 def no_operator(text: str, token: Any, place: Place, stack: Sequence[Any]) -> Fault:
@@ -103,17 +103,17 @@ def no_operator(text: str, token: Any, place: Place, stack: Sequence[Any]) -> Fa
     if opened and not _is_closed(text, place, opened):
         return unclosed(stack)
     if token.type == "RPAR":
-        help_ = "take it away, or open the bracket"
-        return Fault("Y0102", "a closing bracket `)` closes nothing", help_, place)
+        help_ = "remove it, or open the bracket"
+        return Fault("Y0102", "this `)` has no opening bracket", help_, place)
     if token.type == "COMMA":
-        help_ = "the decimal sign is a point; only arguments of functions have commas between them"
-        return Fault("Y0101", "a comma can't stand here", help_, place)
+        help_ = "write a decimal point; commas are allowed only between arguments of functions"
+        return Fault("Y0101", "a comma isn't allowed here", help_, place)
     if token.type in {"COMPARE", "ASSIGN"}:
         help_ = "write A < B AND B < C, or put one of them in brackets"
         return Fault("Y0101", f"`{token}` follows another comparison", help_, place)
     if token.type in {*_ENDS, "FRAME", "STRING"}:
-        message = f"{called(token)} can't stand {'inside' if opened else 'after'} an expression"
-        help_ = "close the bracket before it" if opened else "the expression is the last part of LET and IF"
+        message = f"{called(token)} isn't allowed {'inside' if opened else 'after'} an expression"
+        help_ = "close the bracket before it" if opened else "end the line after the expression of LET or IF"
         return Fault("Y0101", message, help_, place)
     if shown(token).upper() in _FOREIGN_WORDS:
         message = f"`{token}` is no operator of the language"
@@ -131,15 +131,18 @@ def _side_by_side(text: str, token: Any, place: Place) -> Fault:
     if left[:1].isdigit() and row.endswith(left, 0, place.start - 1):
         place = Place(place.row, place.start - len(left), place.end)
         message = f"`{left}{right}` is neither a number nor a name"
-        return Fault("Y0101", message, "a product has a `*`", place)
-    help_ = "a product has a `*`"
+        return Fault("Y0101", message, "write `*` for a product", place)
+    help_ = "write `*` for a product"
     if left.upper() in FUNCTIONS:
         help_ = f"write {left.upper()}({right})"
+    elif right.upper() in {"ON", "OFF"}:
+        # `DOOR OFF` is allowed only as a whole condition.
+        help_ = f"write `{left} = {right}`"
     elif token.type == "INDEX":
-        help_ = "a command has a line of its own"
+        help_ = "write the command in a line of its own"
     elif token.type == "LPAR":
-        help_ = "a product has a `*`; a unit can only follow a number"
-    return Fault("Y0101", f"no operator stands between `{left}` and `{right}`", help_, place)
+        help_ = "write `*` for a product; a unit can only follow a number"
+    return Fault("Y0101", f"an operator is missing between `{left}` and `{right}`", help_, place)
 
 
 def _cut_off(text: str, token: Any, place: Place) -> Fault | None:
@@ -181,10 +184,10 @@ def strange(text: str, place: Place) -> Fault:
     """Explain a token that can't occur in expressions."""
     match = _PIECE.match(text.split("\n")[place.row], place.start - 1)
     piece = match[0][:40] if match else ""
-    message = f"`{piece}` can't stand in an expression"
+    message = f"`{piece}` isn't allowed in an expression"
     if piece.startswith("$"):
-        message = "inside an expression a name stands without `$`"
-    help_ = "an expression is made of numbers, names, operators and functions"
+        message = "inside an expression write names without `$`"
+    help_ = "use only numbers, names, operators and functions"
     return Fault("Y0101", message, help_, place)
 
 

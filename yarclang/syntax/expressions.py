@@ -1,7 +1,7 @@
 """Expressions as they are written: no name is resolved, and no value is computed.
 
-The operands of an operator follow from the language's precedence. Brackets are nodes of their own, so that a
-tree can be printed as it was written.
+The tree has the language's precedence: `A + B*C` is a sum whose second operand is a product. Brackets are
+nodes of their own, so that a tree can be printed as it was written.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ class Binary:
 
 @frozen
 class Function:
-    """A call of a built-in function (words.FUNCTIONS) with its arguments, whose number was checked."""
+    """A call of a built-in function (words.FUNCTIONS). The number of arguments was checked."""
 
     word: Word
     arguments: tuple[Expression, ...]
@@ -85,7 +85,7 @@ class Element:
 
 @frozen
 class Applied:
-    """A FUNC of the program or of a module, and its arguments: `MID(A, B)`."""
+    """A call of a FUNC that the program or a module declares: `MID(A, B)`."""
 
     function: Name
     arguments: tuple[Expression, ...]
@@ -98,7 +98,7 @@ Expression = Number | Quantity | Name | Bracket | Unary | Binary | Function | El
 def is_too_deep(expression: Expression) -> bool:
     """Return True if an expression is nested deeper than DEEPEST_EXPRESSION."""
     if expression.place.end - expression.place.start <= DEEPEST_EXPRESSION:
-        return False  # each level takes a character
+        return False  # each level has at least one character
     level = [expression]
     for _ in range(DEEPEST_EXPRESSION):
         level = [part for one in level for part in parts_of(one)]

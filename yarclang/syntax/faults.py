@@ -1,7 +1,7 @@
 """A syntax error, and descriptions of the parser's state at the error.
 
 The parser reports the unexpected token and the kinds of tokens that were possible (`expected`). It also
-reports what it has read but not yet combined (`stack`: tokens, and constructs such as way-points).
+reports what it has read but not yet combined (`stack`: tokens, and constructs such as waypoints).
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class FaultError(Exception):
 
 
 def kind_of(one: Any) -> str:
-    """Return the kind of a token, or the name of a rule whose text has been read."""
+    """Return the type of a token, or the name of the grammar's rule that a tree stands for."""
     return str(getattr(one, "type", None) or getattr(one, "data", ""))
 
 

@@ -22,7 +22,7 @@ from yarclang.syntax.print import print_module
 from yarclang.syntax.renumber import renumbered
 
 _INDEX = re.compile(r"^\s*[Pp][0-9]+(?![^\s;\[\](){}!,\"])")
-_TOO_LONG = "is longer than any line that is read"
+_TOO_LONG = "is longer than the longest allowed line"
 _WITHOUT_MEANING = frozenset(["place", "line", "rows", "comments"])
 """Fields of a tree that describe a position, not a meaning."""
 
@@ -54,17 +54,17 @@ def usual_form(source: SourceFile, renumber: tuple[int, int] | None = None) -> R
 
 
 def _unproved(source: SourceFile, line: int, what: str) -> Diagnostic:
-    code, help_ = "Y2002", "this is a bug of yarclang: please report it with this line"
+    code, help_ = "Y2002", "this is a bug of yarclang: please report it together with this line"
     if what == _TOO_LONG:
-        code, help_ = "Y0106", "break a way-point list after a semicolon"
-    message = f"the usual form of this line {what}: the file stays as it is"
+        code, help_ = "Y0106", "break a waypoint list after a semicolon"
+    message = f"the formatted line {what}: the file is not changed"
     return Diagnostic(code, message, source, Span.on_line(line, 1, max(len(source.line(line)), 1) + 1), help_)
 
 
 @frozen
 class _Row:
-    """A line that isn't empty, before formatting: its code as written (without the index, if commands are
-    renumbered), and its comment.
+    """A line of a program that isn't empty: its code and its comment. If commands are renumbered, the code
+    lacks the index.
     """
 
     line: int
@@ -73,7 +73,7 @@ class _Row:
 
 
 def _difference(original: Module, meant: Module, after: SourceFile) -> tuple[int, str] | None:
-    """Find the first line of a program whose standard form has another meaning.
+    """Find the first line of a program that has another meaning in the standard form.
 
     Args:
         original: the program as written.
@@ -81,7 +81,7 @@ def _difference(original: Module, meant: Module, after: SourceFile) -> tuple[int
         after: the program's standard form.
 
     Returns:
-        None if there is no such line; else the number of the line, and what is wrong with its form.
+        The number of this line, and a text with the difference; None if there is no such line.
     """
     if after.text == original.source.text:
         return None
@@ -89,12 +89,14 @@ def _difference(original: Module, meant: Module, after: SourceFile) -> tuple[int
     before_rows, after_rows = (list(_rows(one, keeps_indices)) for one in (original.source, after))
     for row, other in zip(before_rows, after_rows, strict=False):
         if row.code != other.code and _squeezed(row.code) != _squeezed(other.code):
-            return row.line, "has other words"
+            return row.line, "has different words"
         if row.comment != other.comment:
-            return row.line, "has another comment"
+            return row.line, "has a different comment"
     if len(before_rows) != len(after_rows):
         shorter = min(len(before_rows), len(after_rows))
-        return (before_rows[shorter].line if shorter < len(before_rows) else 1), "has another number of lines"
+        return (
+            before_rows[shorter].line if shorter < len(before_rows) else 1
+        ), "has a different number of lines"
     line_before = {other.line: row.line for row, other in zip(before_rows, after_rows, strict=True)}
     parsed = parse(after)
     if parsed.diagnostics or parsed.value is None:
@@ -107,15 +109,15 @@ def _difference(original: Module, meant: Module, after: SourceFile) -> tuple[int
     read = parsed.value.statements
     for was, one, now in zip_longest(original.statements, meant.statements, read):
         if was is None or now is None:
-            return original.statements[-1].line, "is read otherwise"
+            return original.statements[-1].line, "is read differently"
         is_rewritten = any(line in rewritten for line in range(was.line, was.line + was.rows))
         if is_rewritten and meaning(one) != meaning(now):  # equal code is parsed equally
-            return was.line, "is read otherwise"
+            return was.line, "is read differently"
     again = SourceFile(after.name, print_module(parsed.value))
     if again.text != after.text:
         both = enumerate(zip(after.lines, again.lines, strict=False), 1)
         line = next((number for number, (one, other) in both if one != other), 1)
-        return line_before.get(line, 1), "has another form in turn"
+        return line_before.get(line, 1), "is formatted differently the second time"
     return None
 
 
@@ -141,8 +143,8 @@ def _squeezed(code: str) -> str:
 
 
 def meaning(part: Any) -> Any:
-    """Return the meaning of a syntax tree or a node of it, for comparison, without positions: numbers as
-    written, names in upper case.
+    """Return the meaning of a syntax tree or a node, for comparison. It has no positions; numbers are as
+    written, and names are in upper case.
     """
     if isinstance(part, tuple):
         return tuple(map(meaning, part))

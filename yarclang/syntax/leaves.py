@@ -9,8 +9,8 @@ from yarclang.frozen import frozen
 
 @frozen
 class Place:
-    """A place in a statement: columns `start` to `end` (exclusive, from 1) of the statement's line number
-    `row` (from 0).
+    """A place in a statement: the columns from `start` up to, but not including, `end` in row `row`. Columns
+    count from 1, rows from 0.
     """
 
     row: int
@@ -62,7 +62,7 @@ class Word:
 
 @frozen
 class Text:
-    """A text in quotes; `text` has the quotes."""
+    """A text in quotes; `text` includes the quotes."""
 
     text: str
     place: Place
@@ -70,7 +70,9 @@ class Text:
 
 @frozen
 class Other:
-    """Any other text (`30-5`, `0,5`), which is checked where it is used."""
+    """A token that is neither a number nor a name nor a text, such as `30-5`, `0,5` or `<=`. The code that
+    uses the token decides if it is allowed.
+    """
 
     text: str
     place: Place
@@ -78,7 +80,7 @@ class Other:
 
 @frozen
 class FrameName:
-    """A frame's name in braces; `text` has the braces."""
+    """A frame's name in braces; `text` includes the braces."""
 
     text: str
     place: Place

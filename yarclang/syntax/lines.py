@@ -27,9 +27,7 @@ def code_of(line: str) -> str:
 
 
 def texts_of(code: str) -> list[re.Match[str]]:
-    """Return the texts in quotes of a line without its comment. A text without a closing quote extends to
-    the end.
-    """
+    """Return the texts in quotes in a line's code. A text without its closing quote extends to the end."""
     return list(_TEXT.finditer(code))
 
 
@@ -41,7 +39,7 @@ def opens_statement(code: str) -> bool:
 
 
 def end_of(text: str) -> Place:
-    """Return the place after the last character of a statement outside of comments."""
+    """Return the place directly after the code of a statement's last row, before the row's comment."""
     rows = text.split("\n")
     end = len(code_of(rows[-1]).rstrip()) + 1
     return Place(len(rows) - 1, end, end + 1)

@@ -22,8 +22,8 @@ from yarclang.syntax.words import CONSTANTS, FUNCTIONS, OPERATORS
 
 
 class Nodes:
-    """Builder of the syntax nodes of expressions. Each method has the name of the grammar's rule or alias for
-    which it builds a node.
+    """Builder of the syntax nodes of expressions. Each method is named after the rule or alias of the grammar
+    for which it builds a node.
     """
 
     def name(self, children: list[Any]) -> Name:
@@ -60,8 +60,8 @@ class Nodes:
         return Binary(operator, left, right, from_to(left.place, right.place))
 
     def function(self, children: list[Any]) -> Function | Applied:
-        """Build the call of a built-in function, after a check of its number of arguments, or of a function
-        that the program declares.
+        """Build the call of a built-in function, or of a function that the program declares. For a built-in
+        function, check the number of arguments.
         """
         token, _, *arguments, closing = children
         word = Word(str(token), place_of(token))
@@ -90,7 +90,9 @@ def named(text: str, place: Place) -> Name:
     if text.upper() in FUNCTIONS or text.upper() in OPERATORS:
         kind = "a function" if text.upper() in FUNCTIONS else "an operator"
         help_ = f"write {text.upper()}(...)" if text.upper() in FUNCTIONS else "choose another name"
-        raise FaultError(Fault("Y0101", f"{text.upper()} is {kind} and stands for no number", help_, place))
+        raise FaultError(
+            Fault("Y0101", f"{text.upper()} is {kind}, and can't be the name of a number", help_, place)
+        )
     return Name(text, place)
 
 
@@ -100,8 +102,8 @@ def _check_function(word: Word, arguments: tuple[Expression, ...], place: Place)
             message, help_ = f"{word.name} is a number and takes no argument", "take the brackets away"
         elif not arguments:
             message, help_ = (
-                f"{word.text}() is given nothing",
-                f"a function takes one argument or more; a number is ${word.text}",
+                f"{word.text}() has no argument",
+                f"give it an argument; for the number of this name write ${word.text}",
             )
         else:
             return

@@ -32,7 +32,9 @@ LONGEST_LINE = 100_000
 """Largest length of a line [characters]. A file with a longer line is probably damaged."""
 
 _EVERY = 16
-"""Number of statements between two progress reports. An unreadable statement takes a millisecond."""
+"""Number of statements between two progress reports. A larger number would make reports too rare, since a
+statement that can't be parsed takes 1 ms.
+"""
 
 LONGEST_TEXT = 20_000_000
 """Largest length of a text that is read [characters]."""
@@ -85,10 +87,10 @@ def parse(source: SourceFile) -> Result[Module]:
 
 
 def _read_in_place(text: str, line: int) -> Statement | Fault | None:
-    """Parse a text at its line number in the file, and return the statement; None if the text has only a
-    comment.
+    """Parse a text that begins in a line of the file. Return the statement at this line, or None if the text
+    has only a comment.
 
-    While a program is edited, most lines keep their numbers, so their statements can be reused.
+    Results are cached by text and line: while a program is edited, most of its lines keep their numbers.
     """
     if not code_of(text).strip():
         return fault_in(text)
@@ -113,8 +115,8 @@ _placed = Lately(_read_in_place, _KEPT)
 
 
 def _statements(source: SourceFile) -> Iterator[tuple[int, str]]:
-    """Yield each statement's text with the number of its first line. A list of way-points over several lines
-    is one text with line ends.
+    """Yield the text of each statement and the number of its first line. A list of waypoints over several
+    lines is one text with line ends.
     """
     lines = source.lines
     at = 0
@@ -129,7 +131,7 @@ def _statements(source: SourceFile) -> Iterator[tuple[int, str]]:
 
 
 def _end_of_list(lines: tuple[str, ...], at: int) -> int:
-    """Return the line after a list of way-points. The list begins in line `at`, which ends with a
+    """Return the line after a list of waypoints. The list begins in line `at`, which ends with a
     semicolon.
     """
     end = ahead = at + 1
@@ -149,16 +151,16 @@ def _end_of_list(lines: tuple[str, ...], at: int) -> int:
 def _too_long(source: SourceFile, line: int, text: str) -> Diagnostic:
     return Diagnostic(
         "Y0106",
-        f"this line has {len(text):,} characters; the longest that is read has {LONGEST_LINE:,}",
+        f"this line has {len(text):,} characters; the limit is {LONGEST_LINE:,}",
         source,
         Span.on_line(line, 1, 2),
-        "break a way-point list after a semicolon; if this is no program, check which file was given",
+        "break a waypoint list after a semicolon, or check that the right file was given",
     )
 
 
 def _too_long_text(source: SourceFile) -> Diagnostic:
-    message = f"this text has {len(source.text):,} characters; the longest that is read has {LONGEST_TEXT:,}"
-    help_ = "divide the program, or check which file was given"
+    message = f"this text has {len(source.text):,} characters; the limit is {LONGEST_TEXT:,}"
+    help_ = "divide the program, or check that the right file was given"
     return Diagnostic("Y0106", message, source, Span.on_line(1, 1, 2), help_)
 
 
@@ -174,7 +176,9 @@ def _read(text: str) -> Statement | Fault:
 
 
 def _long_index(index: Word) -> Fault:
-    message = f"the index {index.text} has {len(index.text) - 1:,} digits; at most {LONGEST_INDEX} are read"
+    message = (
+        f"the index {index.text} has {len(index.text) - 1:,} digits; at most {LONGEST_INDEX} are allowed"
+    )
     return Fault("Y0119", message, "write a smaller number: P0010", index.place)
 
 
@@ -194,7 +198,7 @@ _LATELY: tuple[Lately[Any], ...] = (_placed, parse_statement)
 
 
 def forget() -> None:
-    """Clear the cache of statements, which is useless unless the text is edited."""
+    """Clear the caches of statements. They save time only if the same lines are parsed again."""
     for kept in _LATELY:
         kept.cache_clear()
 
@@ -218,7 +222,9 @@ def statement_by_grammar(text: str) -> Statement | Fault:
 
 
 def _stack(error: Any) -> list[Any]:
-    """Return what the parser has read but not yet combined, without unfinished lists."""
+    """Return the tokens and trees that the parser has read but not yet combined. Unfinished lists are left
+    out.
+    """
     return [one for one in error.state.value_stack if not str(getattr(one, "data", "")).startswith("__")]
 
 
@@ -251,7 +257,7 @@ def _loaded(grammar: str) -> Any:
     if kept.get("of") != _key(grammar):
         return None
     data, tables = kept["data"], kept["data"]["parser"]["parser"]
-    # JSON has only texts as keys.
+    # JSON has only texts as keys, so convert them back to numbers.
     tables["tokens"] = _by_number(tables["tokens"])
     tables["states"] = {state: _by_number(actions) for state, actions in _by_number(tables["states"]).items()}
     parser: Any = lark.Lark
@@ -270,8 +276,8 @@ def _key(grammar: str) -> str:
 
 
 def made_tables() -> str:
-    """Compute the content of the file `TABLES` (the parser's tables) from the grammar. Lark numbers the
-    states in an arbitrary order.
+    """Compute the content of the file `TABLES` (the parser's tables) from the grammar. Two runs may give
+    different files, since Lark numbers the states in an arbitrary order.
     """
     from lark.grammar import Rule
     from lark.lexer import TerminalDef

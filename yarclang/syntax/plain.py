@@ -140,7 +140,7 @@ _short_number = lru_cache(maxsize=1 << 14)(_number)
 
 
 def _waypoints(text: str, begin: int, end: int) -> Iterator[WayPoint]:
-    """Yield the way-points between semicolons."""
+    """Yield the waypoints between semicolons."""
     while begin < end:
         found = text.find(";", begin, end)
         last = end if found < 0 else found

@@ -38,8 +38,8 @@ _TIGHT = {"*", "/", "%", "**"}
 
 
 _FARTHEST = 40
-"""Largest length of a line to which the comments of its neighbours are aligned. In a longer line, the comment
-directly follows the code.
+"""Comments of adjacent lines are aligned at a common column. Lines with more code than this number of
+characters don't count for the column; their comment directly follows the code.
 """
 
 
@@ -130,7 +130,7 @@ def _rows_of(statement: Statement) -> list[_Row]:
 
 def _code_rows(statement: Statement) -> list[int]:
     """Return the row numbers of a statement that have code: the first row, and the rows in which
-    way-points begin.
+    waypoints begin.
     """
     first = statement.waypoints[0].place.row if statement.waypoints else 0
     return [0, *sorted({waypoint.place.row for waypoint in statement.waypoints} - {first})]
@@ -174,7 +174,7 @@ def _head_of_function(waypoints: tuple[WayPoint, ...]) -> str:
 
 
 def _waypoint(waypoint: WayPoint, is_last: bool) -> str:
-    """Print a way-point with its time. The velocity of the last way-point comes after the motion time."""
+    """Print a waypoint with its time. The velocity of the last waypoint comes after the motion time."""
     parts = [_item(value) for value in waypoint.values]
     if waypoint.time:
         parts.append(_time(waypoint.time))

@@ -11,7 +11,7 @@ LONGEST_INDEX = 9
 """Largest number of digits of an index."""
 
 BLOCK_HEADS = frozenset(name for name, word in word_specs().items() if word.opens_block)
-"""Words that begin a block. The block ends at its END."""
+"""Words that begin a block. The block ends at its END, or at the UNTIL of a LOOP."""
 
 BLOCK_ENDS = frozenset(name for name, word in word_specs().items() if word.ends_block)
 """Words that end a block."""
@@ -29,13 +29,13 @@ DECLARATIONS_IN_BLOCKS = frozenset(name for name, word in word_specs().items() i
 """Declarations that are allowed in a block, besides commands and blocks."""
 
 AVOID = "AVOID"
-"""The part of a motion's name, between target and profile, that lets it go around obstacles."""
+"""Part of a motion's name, between target and profile. A motion with this part goes around obstacles."""
 
 OPTIONS = frozenset(["BLEND", "ACC", "TOL", "NEAR", "STRETCH", "UNTIL", "INTO", "ALLOW"])
 """Words that begin an option."""
 
 RATES = frozenset(["VEL", "ACC"])
-"""Words that begin the velocities and accelerations at a way-point. They occur only after a time, where no
+"""Words that begin the velocities and accelerations at a waypoint. They occur only after a time, where no
 name is allowed.
 """
 
@@ -59,13 +59,13 @@ FUNCTIONS = MappingProxyType(
 """The functions of expressions, with the smallest and largest number of arguments (None: any number)."""
 
 CONSTANTS = frozenset(["PI"])
-"""Names that mean a number everywhere."""
+"""Names of numbers that every expression may use. They can't be declared."""
 
 STATES = frozenset(["ON", "OFF"])
 """States of an input or an output."""
 
 RESERVED = word_specs().keys() | OPTIONS | OPERATORS | FUNCTIONS.keys() | CONSTANTS | STATES
-"""Words that can't be declared as names, in addition to those of the commands.
+"""Words that can't be declared as names.
 
 Units are not among them, since they occur only in round brackets, where no name is allowed. The V of
 `[V 250]` is not among them either, since a name has a `$` before it there.

@@ -29,7 +29,7 @@ from yarclang.teaching.holding import Around
 from yarclang.ways import line_to
 
 _ENOUGH = 20_000
-"""Largest number of lines in loops and SUBs that are evaluated."""
+"""Number of evaluated lines in loops and SUBs after which no loop begins a further pass."""
 
 
 def flange_before(around: Around, after: int) -> Array:
@@ -53,8 +53,8 @@ def flange_before(around: Around, after: int) -> Array:
         errors = [one for one in found if one.is_error]
         why = errors[0].message if errors else "its loops are too long"
         raise Trouble(
-            f"it isn't known where the program is before this line: {why}",
-            "correct that first, or teach a MOVEL, which needs no pose before it",
+            f"the pose before this line isn't known: {why}",
+            "correct that first, or teach a MOVEL, which works from any pose",
             "before",
         )
     found_pose: Array = _Walk(around, program.start).walked(program.steps)
@@ -62,8 +62,8 @@ def flange_before(around: Around, after: int) -> Array:
 
 
 def text_before(program: Program, after: int) -> str:
-    """Return the lines of a program up to a given line. Each block that isn't closed by then is changed so
-    that it is executed once, with the branch that contains the line.
+    """Return the lines of a program up to a given line. A block that is open after this line is closed with
+    END. The block is also changed so that it executes the branch with the line exactly once.
 
     Args:
         program: the program.
@@ -105,8 +105,8 @@ def blocks_around(nodes: Iterable[Node], after: int) -> Iterable[Block]:
 
 
 class _Walk:
-    """Follows the goals of a program's motions without planning the motions. Stores the pose of the flange,
-    and the joint positions as long as they follow from the goals.
+    """Tracks the flange's pose through the goals of a program's motions, without planning the motions. Joint
+    positions are tracked as well, up to the first goal that is a pose.
     """
 
     def __init__(self, around: Around, start: Array) -> None:
@@ -124,7 +124,7 @@ class _Walk:
         match step:
             case Gap():
                 raise Trouble(
-                    "it isn't known where the program is before this line: a line above can't be carried out",
+                    "the pose before this line isn't known: a line above can't be carried out",
                     "correct that line first",
                     "before",
                 )
@@ -140,8 +140,8 @@ class _Walk:
             case JointDelta(dq=dq):
                 if self._joints is None:
                     raise Trouble(
-                        "it isn't known where the program is before this line: DMOVEJ follows a pose above",
-                        "teach a MOVEL, which needs no pose before it",
+                        "the pose before this line isn't known: a DMOVEJ follows a motion to a pose",
+                        "teach a MOVEL, which works from any pose",
                         "before",
                     )
                 self._stand(self._joints + dq)

@@ -80,7 +80,8 @@ def _pieces(
     """Return the replacements of text in each row of a statement, each as (first column, column after the
     last, new text); columns count from 0.
 
-    Fields that the statement lacks are inserted after those that precede them in the language's order.
+    A field that the statement lacks is inserted after the fields that precede it in the order of the
+    language.
     """
     found: dict[int, list[tuple[int, int, str]]] = {}
     added: dict[Part, list[str]] = {}
@@ -88,11 +89,11 @@ def _pieces(
     given = [name for name in timed if changed[name]]
     if len(given) > 1:
         labels = " and ".join(given)
-        raise Trouble(f"{labels} can't both stand in a line", "leave one of them empty", "field")
+        raise Trouble(f"{labels} can't both be given in a line", "leave one of the two empty", "field")
     for name, text in changed.items():
         piece = placed[name]
         if piece.part == "time" and given and name not in given:
-            continue  # the other time replaces this one
+            continue  # another time field is filled in, and replaces this one
         place = piece.place
         if place is None:
             if text:
@@ -110,7 +111,7 @@ def _pieces(
             put = "".join(f" {piece}" for piece in added[part])
             pieces = found.setdefault(row, [])
             same = next((piece for piece in pieces if piece[0] == piece[1] == column), None)
-            if same is not None:  # a further part at this place, in the order of the language
+            if same is not None:  # an earlier part is inserted at the same place: append to it
                 pieces.remove(same)
                 put = same[2] + put
             pieces.append((column, column, put))
@@ -131,7 +132,7 @@ def _merged(pieces: list[tuple[int, int, str]]) -> list[tuple[int, int, str]]:
 
 def _behind(statement: Statement, program: Program, part: Part) -> tuple[int, int]:
     """Return the row and column (from 0) at which a field that the statement lacks is inserted: after the
-    last of the fields that precede it in the language's order.
+    last of the fields that precede it in the order of the language.
     """
     before = _ORDER[: _ORDER.index(part)] if part != "option" else _ORDER[:-1]
     row, column = 0, statement.name.place.end - 1
@@ -156,7 +157,7 @@ def _behind(statement: Statement, program: Program, part: Part) -> tuple[int, in
 
 def _told(statement: Statement, changed: Mapping[str, str]) -> str:
     if not changed:
-        return f"line {statement.line} says that already"
+        return f"line {statement.line} has these values already"
     shown = ", ".join(f"{name} {text}" if text else f"no {name}" for name, text in list(changed.items())[:4])
     return f"changed line {statement.line}: {shown}"
 
@@ -168,7 +169,7 @@ def _read_back(
     changed: Mapping[str, str],
     joints: tuple[str, ...] | None,
 ) -> None:
-    """Check that each changed field is read from the new line with its new text."""
+    """Parse the new line again, and check that each changed field has its new text."""
     from yarclang.source import SourceFile
     from yarclang.teaching.edits import applied
 
@@ -182,7 +183,7 @@ def _read_back(
     for name, text in changed.items():
         if _plain(read.get(name, "")) != _plain(text):
             raise Trouble(
-                f"{name} {text[:60]!r} would not be read as such in line {statement.line}",
+                f"{name} {text[:60]!r} would be read as something else in line {statement.line}",
                 "change the line by hand; nothing was changed",
                 "field",
             )

@@ -124,15 +124,17 @@ def check_name(around: Around, name: str, *, is_frame: bool, of_pose: bool = Fal
     upper = name.upper()
     if _NAME.fullmatch(name) is None:
         raise Trouble(
-            f"{name[:60]!r} is no name", "names have letters, digits and _, and begin with a letter", "name"
+            f"{name[:60]!r} is no name",
+            "a name is made of letters, digits and _, and begins with a letter",
+            "name",
         )
     if (is_frame and upper in FIXED_FRAMES) or (not is_frame and is_word(upper, of_pose=of_pose)):
-        raise Trouble(f"{upper} has its meaning in the language already", "choose another name", "name")
+        raise Trouble(f"{upper} is a word of the language", "choose another name", "name")
     for one in around.program.sketch.names.symbols:
         if one.name == upper and one.is_frame == is_frame:
             raise Trouble(
                 f"{upper} is declared already, in line {one.span.line}",
-                "choose another name, or touch that line up",
+                "choose another name, or touch up that line",
                 "name",
             )
     known = around.scope.frame(upper) if is_frame else around.scope.name(upper)
@@ -142,8 +144,8 @@ def check_name(around: Around, name: str, *, is_frame: bool, of_pose: bool = Fal
 
 
 def place_of_declarations(program: Program, line: int) -> int:
-    """Return the number of the line after which a new declaration is inserted: after the other declarations,
-    before the first command.
+    """Return the number of the line after which a new declaration is inserted. The declaration is inserted
+    after the other declarations and before the first command.
 
     Args:
         program: the program.
@@ -205,6 +207,8 @@ def place_line(around: Around, head: str, joints: Array, holds: Holding, line: i
 
 
 def units_part(units: dict[Kind, str], holds: Holding) -> tuple[str, ...]:
-    """Return the units in brackets that DEFAULT doesn't give; empty if it gives all of them."""
+    """Return the units that DEFAULT doesn't give, as one text in brackets; empty if DEFAULT gives all of
+    them.
+    """
     needed = [unit for kind, unit in units.items() if kind not in holds.units]
     return (f"({','.join(needed)})",) if needed else ()

@@ -25,7 +25,7 @@ class Edited:
     """A change of a program's text.
 
     Attributes:
-        edits: replacements in order, at places of the old text, without overlaps.
+        edits: replacements at places of the old text, in order and without overlaps.
         line: line of the cursor in the new text.
         what: description of the change, in words.
     """
@@ -51,7 +51,7 @@ def applied(text: str, edits: Iterable[Edit]) -> str:
 
 
 class Program:
-    """A text as statements and lines; the text may have errors.
+    """The text of a program, as statements and as lines. The text may have errors.
 
     Args:
         source: the text.
@@ -73,7 +73,7 @@ class Program:
 
     @cached_property
     def end(self) -> str:
-        """Return the line ending of most of the first lines: LF, CRLF or CR."""
+        """Return the line ending that is most frequent in the first lines: LF, CRLF or CR."""
         ends = [_end(line) for line in self.ended[:100]]
         return max(_ENDS, key=ends.count) if any(ends) else "\n"
 
@@ -104,8 +104,8 @@ class Program:
 
     @cached_property
     def lost(self) -> dict[tuple[str, bool], list[int]]:
-        """Return the names that are used without a declaration above. For each pair (name, True for a frame):
-        the numbers of the lines that use it.
+        """Return the names that are used without a declaration above them. The keys are pairs (name, True for
+        a frame), the values are the numbers of the lines that use the name.
         """
         found: dict[tuple[str, bool], list[int]] = {}
         for use in self.sketch.names.uses:
@@ -187,7 +187,7 @@ class Draft:
         self.added.setdefault(after, []).extend(rows)
 
     def new_line(self, after: int) -> int:
-        """Return the number in the new text of the first row that was added after a line."""
+        """Return the line number, in the new text, of the first row that was added after a line."""
         return 1 + sum(line not in self.gone for line in range(1, after + 1)) + self._added_before(after)
 
     def moved_line(self, line: int) -> int:
@@ -208,7 +208,9 @@ class Draft:
             Trouble: a line couldn't be parsed any more, or a block would be incomplete; nothing is changed.
         """
         text, edits = self._text(), self._edits()
-        if applied(self.program.source.text, edits) != text:  # for example, if the last line has no end
+        # If the edits don't give the changed text, for example because the last line has no line ending,
+        # compute the edits anew from both texts.
+        if applied(self.program.source.text, edits) != text:
             edits = changes_to(self.program.source, text)
         after = Program(SourceFile(self.program.source.name, text))
         self._check(after)
@@ -306,8 +308,8 @@ def _alike(one: str, other: str) -> int:
 
 
 def _losses(before: Program, after: Program) -> Iterable[str]:
-    """Yield a message for each name that lines of the changed program use, although the change has removed
-    its declaration above them.
+    """Yield a message for each name whose declaration the change has removed, although lines of the program
+    still use the name.
     """
     for (name, is_frame), lines in after.lost.items():
         if len(lines) > len(before.lost.get((name, is_frame), ())) and before.sketch.names.declared(
@@ -315,4 +317,4 @@ def _losses(before: Program, after: Program) -> Iterable[str]:
         ):
             shown = f"{{{name}}}" if is_frame else name
             others = f" and {len(lines) - 1} more" * (len(lines) > 1)
-            yield f"{shown} is used in line {lines[0]}{others}, where it isn't declared any more"
+            yield f"{shown} is used in line {lines[0]}{others}, where it would no longer be declared"

@@ -25,8 +25,8 @@ FieldKind = Literal["number", "percent", "choice", "frame", "joints", "pose", "s
 _JOINTS = tuple(f"J{number}" for number in range(1, 33))
 _DECLARED_POSES = ("FRAME", "FRAME_QUAT", "POSE")
 _COUNTED = 64
-"""Largest number of a motion's way-points whose values are shown as fields. The way-points after them have
-no fields.
+"""Largest number of waypoints of a motion whose values are shown as fields. Further waypoints have no
+fields.
 """
 
 
@@ -172,7 +172,7 @@ class Reader:
                 continue
             columns = self._columns(meaning, len(values))
             if len(values) == 1 and len(columns) > 1 and isinstance(values[0], Computed):
-                # A pose or joint position of a table.
+                # A single expression stands for a whole pose or joint position: an entry of a table.
                 target = Field(f"{front}target", f"{front}Target", "number", values[0].text)
                 yield Placed(target, "value", values[0].place)
             elif len(columns) == len(values):
@@ -185,7 +185,7 @@ class Reader:
                 yield Placed(field, "value", point.time.place, "[@]")
 
     def _columns(self, meaning: Values, count: int) -> tuple[tuple[str, str], ...]:
-        """Return the label and the unit of each value of a way-point."""
+        """Return the label and the unit of each value of a waypoint."""
         key = (meaning, count, *self._units.values())
         if key not in self._known:
             labels = meaning.labels(self._joints or _JOINTS[:count])
@@ -277,10 +277,10 @@ _SLOTS: dict[Slot, tuple[str, str, FieldKind]] = {
     Slot.OUTPUT: ("signal", "Output", "signal"),
     Slot.STATE: ("value", "Value", "choice"),
     Slot.TEXT: ("text", "Text", "text"),
-    Slot.REGISTER: ("register", "Register that gets an answer (none: it just goes on)", "choice"),
+    Slot.REGISTER: ("register", "Register that receives the answer (empty: no answer is stored)", "choice"),
     Slot.TAUGHT: ("name", "Name of the place", "signal"),
-    Slot.TOOL: ("tool", "Tool on the flange afterwards", "choice"),
-    Slot.REACTION: ("reaction", "What the robot does", "choice"),
+    Slot.TOOL: ("tool", "Tool that is on the flange after this line", "choice"),
+    Slot.REACTION: ("reaction", "Action of the robot", "choice"),
 }
 """Name, label and kind of the field for each kind of value."""
 
@@ -341,8 +341,8 @@ def _inner(statement: Statement) -> str:
 
 
 def _times(statement: Statement, *, has_speed: bool, unit: str, speed: str) -> Iterator[Placed]:
-    """Yield the fields for a motion's time, share of the limits, speed, and largest speed. A motion has only
-    one of them, in its square brackets.
+    """Yield the fields for what a motion's square brackets may contain: a time, a share of the limits, a
+    speed, or a largest speed. Only one of these fields has a value.
     """
     if statement.time is None:
         yield _absent("time", "Time", "number", unit, "time", "[@]", ("MIN",))
@@ -383,7 +383,7 @@ def _options(
 
 
 def _last_time(statement: Statement, unit: str) -> Placed:
-    """Return the field for the time of a timed motion's last way-point."""
+    """Return the field for the time of a timed motion's last waypoint."""
     if statement.time is None:
         return _absent("time", "Time", "number", unit, "time", "[@]")
     return Placed(

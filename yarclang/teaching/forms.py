@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
+from yarclang.cell.tools import NO_TOOL
 from yarclang.commands.registry import actions, commands
 from yarclang.commands.spec import ActionSpec, CommandSpec, Values
 from yarclang.consulted import modules_in
@@ -18,7 +19,6 @@ from yarclang.report.module_text import ModuleText, ParameterText, SubText, desc
 from yarclang.robot.model import Robot
 from yarclang.runtime.actions import Trouble
 from yarclang.semantics.names.scope import Input, JointPosition, Pose, RackTool
-from yarclang.semantics.names.tools import NO_TOOL
 from yarclang.syntax.ast import Module
 from yarclang.teaching.declaring import check_name, place_of_declarations, units_part
 from yarclang.teaching.edits import Draft, Edited
@@ -63,6 +63,7 @@ class Known:
         poses: names of poses.
         registers: names of registers.
         subs: documentation of SUBs by module name; "" is the program itself.
+        tools_of_cell: names of the tools in the cell's tool rack.
     """
 
     inputs: tuple[str, ...] = ()
@@ -106,7 +107,7 @@ def forms(names: Known, robot: Robot | None = None) -> tuple[Form, ...]:
 
     Args:
         names: names that may be chosen.
-        robot: the robot whose joints have fields; None for six joints.
+        robot: the robot whose joints get fields; None for a robot with six joints.
     """
     joints = robot.joint_names if robot is not None else tuple(f"J{number}" for number in range(1, 7))
     return (
@@ -143,7 +144,7 @@ def _of_others() -> Iterator[Form]:
     yield Form(COMMENT, "Comment", "a line for people", (Field("comment", "Comment", "text"),))
     name = Field("name", "Name", "signal")
     variable = Field("variable", "Variable of the controller, such as M1", "signal")
-    safe = Field("safe", "Value at a stop (none: it stays)", "choice", "", choices=("", *STATES_OF_SIGNALS))
+    safe = Field("safe", "Value at a stop (empty: unchanged)", "choice", "", choices=("", *STATES_OF_SIGNALS))
     yield Form("OUTPUT", "New output", "names an output of the controller", (name, variable, safe))
     yield Form("INPUT", "New input", "names an input of the controller", (name, variable))
 
@@ -310,7 +311,7 @@ def _code(around: Around, after: int, form: Form, given: Mapping[str, str]) -> s
     timed = [name for name in ("time", "percent", "speed", "ceiling") if given.get(name)]
     if len(timed) > 1:
         raise Trouble(
-            f"{timed[0]} and {timed[1]} can't both stand in a line", "leave one of them empty", "field"
+            f"{timed[0]} and {timed[1]} can't both be given in a line", "leave one of the two empty", "field"
         )
     written = {"time": "[{}]", "percent": "[{}%]", "speed": "[V {}]", "ceiling": "[V<={}]"}
     time = written[timed[0]].format(given[timed[0]]) if timed else "" if holds.time else "[50%]"
@@ -331,7 +332,7 @@ def _code(around: Around, after: int, form: Form, given: Mapping[str, str]) -> s
     moving = given.get("moving") or ("" if holds.moving or (of_joints and not goes_to_pose) else around.tool)
     if not needs_numbers and given.get("base"):
         raise Trouble(
-            "a named pose has a frame of its own", "leave the base frame empty, or write numbers", "field"
+            "a named pose already has its base frame", "leave the base frame empty, or write numbers", "field"
         )
     base = given.get("base") or ("" if holds.base or of_joints or not needs_numbers else "B")
     frames = [f"{{{name}}}" if name else "" for name in (moving, base)]
@@ -342,8 +343,8 @@ def _line_of_action(spec: ActionSpec, form: Form, given: Mapping[str, str], hold
     """Return the program line of an action (a command without motion), with the values that the user has
     filled in.
 
-    If all values of the action are optional and neither a signal nor a text is filled in, they are all left
-    out.
+    All values are left out if the action doesn't require them, and the user has filled in nothing except a
+    state (ON or OFF).
     """
     slots = spec.fullest.slots
     names = [one.name for one in fields_of(slots)]
@@ -355,7 +356,7 @@ def _line_of_action(spec: ActionSpec, form: Form, given: Mapping[str, str], hold
         if slot is Slot.STATE and _may_be_empty(spec):
             values.append(given[name] or "ON")
         elif slot is Slot.REGISTER and not given[name]:
-            slots = slots[:-1]  # the register is the last one
+            slots = slots[:-1]  # the register is the last value, and is left out
         else:
             _need(form, given, name)
             values.append(f'"{given[name]}"' if slot is Slot.TEXT else given[name])
@@ -369,7 +370,7 @@ def _line_of_action(spec: ActionSpec, form: Form, given: Mapping[str, str], hold
 
 
 def _waypoints(form: Form, spec: CommandSpec, given: Mapping[str, str], robot: Robot) -> tuple[str, bool]:
-    """Return the way-points as text, and True if they contain numbers."""
+    """Return the waypoints as text, and True if they contain numbers."""
     count = max(spec.waypoints[0], len(spec.leading) + 1)
     points, has_numbers = [], False
     for number in range(1, count + 1):

@@ -1,5 +1,5 @@
-"""What is in force in a line of a program: the units, frames and times from DEFAULT, and the poses of frames
-and of the robot.
+"""The meaning of a line of a program: the values from DEFAULT that are in force in the line (units, frames,
+times), the frames that its names stand for, and the poses of these frames.
 """
 
 from __future__ import annotations
@@ -105,7 +105,7 @@ class Around:
 
         Args:
             name: name without braces.
-            line: number of the line; one more than the last for the end of the program.
+            line: number of the line; for the end of the program, the number of lines plus one.
             moves: True if the frame must move with the robot; False if it must be stationary.
 
         Raises:
@@ -113,7 +113,7 @@ class Around:
         """
         symbol = self.program.sketch.names.meant(name, True, line)
         if symbol is not None and symbol.kind == "parameter":
-            what = f"{{{name}}} is a parameter of {symbol.inside}: where it is depends on the CALL"
+            what = f"{{{name}}} is a parameter of {symbol.inside}: its pose depends on the CALL"
             raise Trouble(what, "teach outside of the SUB, or in another frame", "frame")
         if symbol is not None and not self._is_outside(symbol.statement):
             what = (
@@ -125,10 +125,10 @@ class Around:
         declared = self.program.sketch.names.declared(name, True)
         if symbol is None and declared is not None and declared.span.line >= line:
             what = f"{{{name}}} is declared only below, in line {declared.span.line}"
-            raise Trouble(what, "move the declaration up", "frame")
+            raise Trouble(what, "move the declaration above this line", "frame")
         if found is None:
             what = f"the frame {{{name}}} can't be resolved: no frame of this name can be read"
-            raise Trouble(what, "look at its declaration, the CELL line and the modules", "frame")
+            raise Trouble(what, "check its declaration, the CELL line and the modules", "frame")
         if found.on_flange != moves:
             what = (
                 f"{{{name}}} {'stands still: it is' if moves else 'moves with the robot: it is'} no "
@@ -177,10 +177,11 @@ def around(program: Program, folder: Path, robot: Robot) -> Around:
     """
     source, module = program.source, program.sketch.module
     if not module.statements and not module.unreadable_lines:
-        source = SourceFile(source.name, "DEFAULT {FLANGE}\n")  # an empty text gets the project's names
+        # A text without statements can't be opened: open one that declares no names instead.
+        source = SourceFile(source.name, "DEFAULT {FLANGE}\n")
     opened = open_source(source, folder, Options())
     if opened.value is None:
-        opened = open_source(source, folder, Options(robot=str(robot.folder / "robot.toml")))
+        opened = open_source(source, folder, Options(robot=str(robot.file)))
     if opened.value is None:
         first = opened.diagnostics[0]
         where = f" in line {first.span.line}" if first.span else ""

@@ -90,10 +90,10 @@ def renumber(draft: Draft, after: int = -1, room: int = 0) -> int:
     Args:
         draft: receives the new indices.
         after: number of the line after which further commands will be inserted; -1 for none.
-        room: number of these commands.
+        room: number of these further commands, for which indices are kept free.
 
     Returns:
-        The index of the first inserted command.
+        The index for the first of the further commands.
 
     Raises:
         Trouble: there are more commands than indices.
@@ -117,7 +117,7 @@ def renumber(draft: Draft, after: int = -1, room: int = 0) -> int:
             changed += 1
     if room:
         count = f"{changed} command{'s have new ones' if changed != 1 else ' has a new one'}"
-        draft.notes.append(f"there was no index left between the neighbours: {count}")
+        draft.notes.append(f"no index was free between the neighbours: {count}")
     return mine or number + _STEP
 
 

@@ -52,7 +52,8 @@ def insert(program: Program, after: int, code: str, *, has_index: bool = True, u
 
 
 def delete(program: Program, first: int, last: int) -> Edited:
-    """Delete lines: whole statements, and blocks whose first line is among the lines.
+    """Delete lines. A statement of several lines is deleted as a whole, and so is a block whose first line is
+    deleted.
 
     Args:
         program: the program.
@@ -106,7 +107,7 @@ def _add_blocks(nodes: tuple[Node, ...], found: set[int]) -> None:
         elif end is not None and end.line in found:
             raise Trouble(
                 f"the END in line {end.line} belongs to {head.name.name} in line {head.line}",
-                f"delete line {head.line}: its block goes with it",
+                f"delete line {head.line}: this deletes its whole block",
                 "block",
             )
         elif turn is not None and turn.line in found:
@@ -151,10 +152,12 @@ def move(program: Program, line: int, before: int) -> Edited:
     after = row_end if row_end != after and after not in range(first, last + 1) else after
     if first <= after < last:
         raise Trouble(
-            f"lines {first} to {last} can't be moved into themselves", "choose a line outside", "block"
+            f"lines {first} to {last} can't be moved into themselves",
+            "choose a line outside of them",
+            "block",
         )
     if after in (first - 1, last):
-        return Edited((), first, f"line {first} stands there already")
+        return Edited((), first, f"line {first} is there already")
     draft = Draft(program)
     draft.gone = set(lines)
     rows = _indented(program, lines, _indent_at(program, after, frozenset(lines)))
@@ -168,8 +171,8 @@ def _called(count: int, first: int) -> str:
 
 
 def _indent_at(program: Program, after: int, without: frozenset[int]) -> str:
-    """Return the indentation of a line that is inserted after a given line, as if the lines `without` were
-    missing.
+    """Return the indentation of a line that is inserted after a given line. The lines in `without` are
+    ignored.
     """
     statements = [one for one in program.sketch.module.statements if one.line not in without]
     above = max((one.line for one in statements if one.line <= after), default=0)
@@ -215,7 +218,7 @@ def _numbered(draft: Draft, rows: list[str], after: int, moved: frozenset[int]) 
         return rows
     free = free_indices(program, after, len(own), moved)
     if not free:
-        draft.notes.append("the indices don't ascend any more: renumber the program")
+        draft.notes.append("the indices no longer ascend: renumber the program")
         return rows
     rows = list(rows)
     for (at, number), new in zip(with_index, free, strict=True):
@@ -225,9 +228,7 @@ def _numbered(draft: Draft, rows: list[str], after: int, moved: frozenset[int]) 
             end += 1
         if number != new:
             rows[at] = f"{rows[at][:start]}{shown_index(new)}{rows[at][end:]}"
-    draft.notes.append(
-        "its index is another one there" if len(own) == 1 else "their indices are others there"
-    )
+    draft.notes.append("its index changes there" if len(own) == 1 else "their indices change there")
     return rows
 
 
@@ -237,4 +238,4 @@ def renumbered(program: Program) -> Edited:
     renumber(draft)
     count = len(draft.changed)
     what = f"{count} command{'s have new indices' if count != 1 else ' has a new index'}"
-    return draft.finished(1, what if count else "all indices are so already")
+    return draft.finished(1, what if count else "all indices have these numbers already")

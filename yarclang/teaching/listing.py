@@ -1,4 +1,4 @@
-"""A text as a list of commands. The text may have errors."""
+"""The text of a program as a list of commands. The text may have errors."""
 
 from __future__ import annotations
 
@@ -76,8 +76,8 @@ def listing(
 MOST_WITH_FIELDS = 1_000
 """Largest number of lines for which fields are listed without a request.
 
-In a longer program, a browser would have to load megabytes after each edit, although nobody looks at all
-fields.
+For a longer program, the fields of all lines would be megabytes that a browser had to load after each edit,
+although nobody looks at all of them.
 """
 
 
@@ -111,7 +111,7 @@ class _Lister:
         depth = 0
         for line, one in sorted(found, key=lambda entry: entry[0]):
             if isinstance(one, Statement):
-                # A line that is in no block structure keeps the depth of the line before.
+                # A line that isn't in the block structure keeps the depth of the line before.
                 depth = self._depths.get(line, depth)
                 yield self._statement(one, depth)
                 depth += opens_block(one) or one.name.name in ("ELSE", "OF")
@@ -161,8 +161,8 @@ class _Lister:
     def _is_joints(self, one: Statement, of_joints: bool) -> bool:
         """Return True if a motion ends at joint values.
 
-        A motion whose goal is a name ends at joint values, whatever the suffix of the command, unless it is
-        the name of a pose.
+        If the goal is a name, the result depends on its declaration, not on the suffix of the command: False
+        for a pose, True for any other name. If the goal is written as values, return `of_joints`.
         """
         values = one.waypoints[-1].values if one.waypoints else ()
         if len(values) == 1 and isinstance(word := values[0], Word):
@@ -171,8 +171,8 @@ class _Lister:
         return of_joints
 
     def _texts(self, one: Statement) -> tuple[str, str]:
-        """Return two texts of a command: the title (its code before time, units, base frame and options) and
-        the detail (the rest, with the comment).
+        """Return two texts of a command. The first is the title: the code before the time, units, base frame
+        and options. The second is the detail: the rest of the code, and the comment.
         """
         if one.rows == 1:
             return self._text(one)

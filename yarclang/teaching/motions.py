@@ -41,8 +41,8 @@ class Taught:
 
     Attributes:
         motion: kind of the motion.
-        target: form in which the motion's end is written: joint values or a pose. Cartesian motions end at a
-            pose.
+        target: kind of values in which the motion's end is written: joint values or a pose. For a Cartesian
+            motion it is always a pose.
         via: (n,) joint positions at the point that MOVEC passes through [rad or m].
         name: name of a new POSE or JOINTS declaration for the end; empty to write the values into the line.
         axes: axes of a DMOVE: "base" for those of the line's base frame, "tool" for those of the moving
@@ -73,10 +73,12 @@ def teach(around: Around, after: int, taught: Taught, joints: Array) -> Edited:
     program = around.program
     if taught.target == "joints" and taught.motion != "MOVEJ":
         raise Trouble(
-            f"{taught.motion} leads a frame to a pose", "teach it as a pose, or teach a MOVEJ", "target"
+            f"{taught.motion} moves a frame to a pose", "teach it as a pose, or teach a MOVEJ", "target"
         )
     if taught.name and taught.motion == "DMOVE":
-        raise Trouble("DMOVE goes by an increment, which has no name", "teach it without a name", "target")
+        raise Trouble(
+            "a DMOVE moves by an increment, which can't be a named pose", "teach it without a name", "target"
+        )
     draft = Draft(program)
     after = place_of_command(draft, after)
     holds = holding(program, after + 1)
@@ -92,9 +94,10 @@ def teach(around: Around, after: int, taught: Taught, joints: Array) -> Edited:
 
 
 def place_of_command(draft: Draft, after: int) -> int:
-    """Return the number of the line after which a new command must be inserted to follow a given line.
+    """Return the number of the line after which a new command is inserted if the user wants it after a given
+    line.
 
-    If the given line is within a statement of several lines, such as a list of way-points, this is the
+    If the given line is within a statement of several lines, such as a list of waypoints, this is the
     statement's last line. Commands are inserted below ROBOT, CELL, DEFAULT and START.
 
     Args:
@@ -116,7 +119,7 @@ def place_of_command(draft: Draft, after: int) -> int:
     if headers:
         last = headers[-1]
         after = last.line + last.rows - 1
-        draft.notes.append(f"it stands after {last.name.name}, which comes before all commands")
+        draft.notes.append(f"it comes after {last.name.name}, which comes before all commands")
     return after
 
 
@@ -128,7 +131,7 @@ def _outermost(program: Program, after: int) -> int:
 
 
 class _Maker:
-    """Writer of lines that are inserted after a line, as short as DEFAULT allows."""
+    """Writer of the lines of taught motions, which are as short as DEFAULT allows."""
 
     def __init__(self, around: Around, holds: Holding, after: int) -> None:
         self._around = around
@@ -186,7 +189,7 @@ class _Maker:
         given = self._holds.time
         if taught.motion == "MOVEJ" and _is_speed(taught.time):
             help_ = "give a time, a share of the limits, or V<= and a speed that isn't exceeded"
-            raise Trouble("MOVEJ leads no frame, and has no speed", help_, "time")
+            raise Trouble("MOVEJ moves joints, not a frame, and so has no speed", help_, "time")
         if taught.time:
             return f"[{taught.time}]"
         if not given or (taught.motion == "MOVEJ" and _is_speed(given)):
@@ -196,8 +199,8 @@ class _Maker:
     def _via(self, taught: Taught, units: dict[Kind, str], joints: Array) -> str:
         if taught.via is None:
             raise Trouble(
-                "an arc needs a point on its way as well",
-                "move to it, remember it as the via point, then go to the end",
+                "an arc also needs a via point",
+                "move there, record it as the via point, then move to the end point",
                 "via",
             )
         around, line = self._around, self._after + 1

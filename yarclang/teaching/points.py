@@ -51,7 +51,7 @@ class Point:
 
 
 def meanings(statement: Statement) -> tuple[Values, ...]:
-    """Return for each way-point of a statement what its values stand for, such as joint positions or a pose.
+    """Return the meaning of the values of each waypoint of a statement, such as joint positions or a pose.
 
     The result is empty if the statement is neither a motion nor a declaration with a position.
     """
@@ -72,12 +72,12 @@ def meanings(statement: Statement) -> tuple[Values, ...]:
 def point_of(
     sketch: Sketch, statement: Statement, number: int = 0, meant: tuple[Values, ...] = ()
 ) -> Point | None:
-    """Return the point of a statement's way-point; None if it can't be touched up.
+    """Return the point that contains the numbers of a waypoint; None if it can't be touched up.
 
     Args:
         sketch: parsed structure of the text.
         statement: a motion, or a declaration of a frame, a pose or joints.
-        number: number of the way-point, from 1; 0 for the last one.
+        number: number of the waypoint, from 1; 0 for the last one.
         meant: result of `meanings` for the statement, if it is already known.
     """
     meant = meant or meanings(statement)
@@ -90,7 +90,8 @@ def point_of(
     if len(values) == 1 and isinstance(word := values[0], Word):
         symbol = sketch.names.meant(word.name, False, statement.line)
         point = _declared(sketch, symbol, None)
-        # A way-point without an orientation has only a part of the values of a pose.
+        # A waypoint that is only a position uses only a part of the declared pose, so the pose isn't touched
+        # up by it.
         return None if meaning is Values.POSITION else point
     if not all(isinstance(one, Number) for one in values) or not values:
         return None
@@ -107,15 +108,15 @@ def point_of(
 
 
 def own_values(statement: Statement, waypoint: WayPoint) -> tuple[Value, ...]:
-    """Return the values of a way-point; for JOINTS and POSE, the values after the name."""
+    """Return the values of a waypoint; for JOINTS and POSE, the values after the name."""
     if statement.index is None and statement.name.name in ("JOINTS", "POSE"):
         return waypoint.values[1:]
     return waypoint.values
 
 
 def _declared(sketch: Sketch, symbol: Symbol | None, wanted: Values | None) -> Point | None:
-    """Return the point that a declaration contains. None if the declaration is within a block, or its values
-    aren't all numbers.
+    """Return the point that a declaration contains; None if the declaration is within a block, is replaced by
+    a later one of the same name, or has values that aren't numbers.
     """
     if symbol is None or symbol.inside or sketch.names.declared(symbol.name, symbol.is_frame) is not symbol:
         return None
@@ -135,7 +136,7 @@ def touch_up(around: Around, line: int, joints: Array, number: int = 0) -> Edite
         around: the program.
         line: line of the motion or declaration.
         joints: (n,) present joint positions [rad or m].
-        number: number of the way-point, from 1; 0 for the last one.
+        number: number of the waypoint, from 1; 0 for the last one.
 
     Raises:
         Trouble: the point can't be touched up; the message is the reason.
@@ -166,13 +167,13 @@ def touch_up(around: Around, line: int, joints: Array, number: int = 0) -> Edite
 
 
 def _differs(one: Number, new: str) -> bool:
-    """Return True if the values of two numbers, given as texts, differ."""
+    """Return True if a number and a number that is given as text have different values."""
     return one.value != float(new)
 
 
 def _told(program: Program, line: int, point: Point, changed: int) -> str:
     if not changed:
-        return f"line {point.statement.line} says already where the robot stands"
+        return f"line {point.statement.line} already has the position of the robot"
     if point.symbol is None:
         return f"touched line {line} up"
     symbol = point.symbol
@@ -187,7 +188,7 @@ def _why_not(program: Program, statement: Statement, number: int) -> str:
     if not meant:
         return f"{statement.name.name} has no target"
     if not -1 <= number - 1 < len(meant):
-        return f"it has {len(meant)} way-points"
+        return f"it has {len(meant)} waypoints"
     if meant[number - 1].is_delta:
         return "its values are increments"
     values = own_values(statement, statement.waypoints[number - 1])
@@ -232,7 +233,7 @@ def _numbers(around: Around, asked: Statement, point: Point, joints: Array) -> l
         frame = around.scope.frame(statement.moving.name) if statement.moving else None
         if frame is not None and frame.on_flange:
             raise Trouble(
-                f"line {line} declares a tool, which isn't where the robot stands",
+                f"line {line} declares a tool, whose frame isn't set by the robot's position",
                 "calibrate the tool, or change the line by hand",
                 "taught",
             )

@@ -32,8 +32,8 @@ _MARK = re.compile(r"@([A-Z]+)((?: [A-Z0-9.-]+)*)@")
 _TRIED = 3000
 _WIDEST = 75.0 * DEG
 _SHARES = (0.08, 0.05, 0.03)
-"""Distances of a template's positions from READY, as shares of the robot's reach. The first share for which
-the program can be proved is used.
+"""Distances of a template's positions from READY, as shares of the robot's reach. The shares are tried in
+this order until the program can be proved.
 """
 
 
@@ -182,8 +182,8 @@ _NOTHING = "!-"
 
 
 def _robot_line(robot: Robot) -> str:
-    """Return the ROBOT line that names a robot of the library. For another robot, return `_NOTHING` (no
-    line): it is named in the project's yarc.toml.
+    """Return the ROBOT line that names a robot of the library. Another robot is named in the project's
+    yarc.toml; return `_NOTHING` (no line) for it.
     """
     is_known = any(one.folder == robot.folder for one in list_robots())
     return f"ROBOT {robot.name}" if is_known else _NOTHING
@@ -233,7 +233,7 @@ def _value(asked: Asked, text: str) -> str:
             "APPROACH",
         ):
             raise Trouble(
-                f"{asked.label}: {text.upper()} is another name of the template",
+                f"{asked.label}: {text.upper()} is already used by this template",
                 "choose another name",
                 "field",
             )
@@ -271,7 +271,7 @@ def _ready(robot: Robot) -> tuple[Array, float]:
     singular = np.linalg.svd(scaled, compute_uv=False)[:, min(6, robot.size) - 1]
     out = outwards(robot)
     down = np.zeros(len(tried))
-    if out is not None:  # poses turn with TCP's axes, in which `out` is the same in all positions
+    if out is not None:  # `out` is the direction of the tool with all joints at zero, in {B}
         at_zero = robot.chain.base_from_flange[:3, :3] @ tip[:3, :3]
         down = -(poses[:, :3, :3] @ (at_zero.T @ out))[:, 2]
     bent = np.abs((tried - middle) / np.where(width > 0, width, 1.0)).mean(axis=1)
@@ -301,7 +301,7 @@ def new(name: str, robot: Robot, fields: Mapping[str, str], folder: Path) -> str
         told = check_text(
             SourceFile(str(folder / f"{name}.yarc"), text),
             folder,
-            Options(robot=str(robot.folder / "robot.toml")),
+            Options(robot=str(robot.file)),
         )
         if not has_errors(told.diagnostics):
             return text

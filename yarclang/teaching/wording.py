@@ -20,7 +20,8 @@ _LONGEST = 1000
 
 
 def checked(name: str, kind: FieldKind, text: str) -> str:
-    """Return the text of a field as it is inserted into a line; empty if the user has left the field empty.
+    """Check a typed text, and return it in the form in which it is inserted into a line; empty if the user
+    has left the field empty.
 
     Args:
         name: name of the field.
@@ -38,12 +39,12 @@ def checked(name: str, kind: FieldKind, text: str) -> str:
     if not text:
         return ""
     if any(unicodedata.category(one) in ("Cc", "Cf", "Zl", "Zp", "Cs") for one in text):
-        raise Trouble(f"{name} has a character that can't be seen, or a line's end", "type it anew", "field")
+        raise Trouble(f"{name} has an invisible character or a line break", "type it anew", "field")
     if name == "comment":
         return text.lstrip("! ")
     if name == "text":
         if '"' in text:
-            raise Trouble("a text can't have a quotation mark", "leave it out", "field")
+            raise Trouble("a text can't contain a quotation mark", "leave it out", "field")
         return text
     patterns = _patterns(name, kind)
     text = text.strip("{} ") if kind == "frame" else text.rstrip("% ") if kind == "percent" else text

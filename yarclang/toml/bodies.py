@@ -1,5 +1,5 @@
-"""Bodies in TOML files: the keys that each shape needs, and the shape that a table describes. Lengths are
-converted to m.
+"""Read bodies from TOML files: check the keys that each shape needs, and convert a table to a shape with
+lengths in m.
 """
 
 from __future__ import annotations
@@ -34,9 +34,9 @@ SIZES: Mapping[str, tuple[str, ...]] = {
 }
 """The keys that each shape needs."""
 OF_SHAPES = tuple(dict.fromkeys(key for keys in SIZES.values() for key in keys))
-"""The keys of any shape."""
+"""The keys of all shapes."""
 OF_MESHES = ("pieces",)
-"""Further keys that a mesh may have if it is a body."""
+"""Further keys that a table may have if its shape is a mesh."""
 
 
 class Sized(Protocol):
@@ -60,7 +60,8 @@ class Sized(Protocol):
 
 @frozen
 class Keys:
-    """The keys that a table must and may have, because of its shape or because of another rule.
+    """The keys that a table must have, and those that it may have, because of its shape or because of another
+    rule.
 
     Attributes:
         what: the shape or rule in words.
@@ -87,7 +88,7 @@ def has_its_keys(
         table: the table.
         place: file of the table, schema of the file, and path of the table.
         keys: the keys that the table should have.
-        every: the keys of any shape or rule.
+        every: the keys of all shapes or rules.
         dropped: the keys with a wrong form, which was reported already.
 
     Returns:
@@ -99,7 +100,8 @@ def has_its_keys(
         given, at = getattr(table, key) is not None, (*path, key)
         if key in keys.needed and not given:
             sound = False
-            # Ignore keys that every such table needs, or that have a wrong form: these were reported already.
+            # Don't report keys that all tables of this kind need, or keys with a wrong form: they were
+            # reported already.
             if key not in table.required and at not in dropped:
                 missing_mistake(document, at, f", which {keys.what} needs").tell(file)
         elif given and key not in keys.needed and key not in keys.optional:
@@ -133,8 +135,8 @@ def simple_shape(shape: str, table: Sized, unit: float) -> SimpleShape:
 def named_mesh(
     name: str, unit: float | None, place: tuple[TomlFile, Path], folder: FilePath, pieces: int = 0
 ) -> Mesh | None:
-    """Return the mesh that a TOML file names, if its file exists and isn't empty; None with a finding, or
-    without a unit.
+    """Return the mesh that a TOML file names, if the mesh file exists and isn't empty. Otherwise return None,
+    with a finding. Also return None if the unit isn't known.
 
     Args:
         name: name of the mesh file, relative to the folder.
@@ -145,8 +147,8 @@ def named_mesh(
     """
     file, path = place
     if FilePath(name).suffix.lower() not in MESHES:
-        message = f"{name[:80]} isn't the name of a mesh."
-        file.say("Y1308", path, message, f"Meshes end in {', '.join(MESHES)}.")
+        message = f"{name[:80]} isn't the name of a mesh file."
+        file.say("Y1308", path, message, f"Names of mesh files end in {', '.join(MESHES)}.")
         return None
     try:
         content = read_whole(folder / name, LARGEST_MESH)
@@ -154,7 +156,7 @@ def named_mesh(
         content = None
     if not content:
         message = f"The mesh {name[:80]} is {'not there' if content is None else 'empty'}."
-        file.say("Y1357", path, message, "Put the file there; it is seen from the folder of this file.")
+        file.say("Y1357", path, message, "Put the file there; paths start from the folder of this file.")
         return None
     if unit is None:
         return None

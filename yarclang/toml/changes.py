@@ -21,7 +21,7 @@ _BARE = re.compile(r"[A-Za-z0-9_-]+")
 
 
 class ChangeError(ValueError):
-    """The form of a TOML file doesn't allow a small change, so that the user has to edit the file."""
+    """Raised if the form of a TOML file doesn't allow a small change. The user then has to edit the file."""
 
 
 def printed(value: object) -> str:
@@ -59,7 +59,7 @@ def with_value(source: SourceFile, path: Path, value: object) -> str:
         ChangeError: the form of the file doesn't allow the change.
     """
     places = find_places(source)
-    lines = source.text.split("\n")  # carriage returns stay at the ends of lines
+    lines = source.text.split("\n")  # a carriage return before a line break stays part of its line
     if span := places.values.get(path):
         behind = lines[span.end_line - 1][span.end_column - 1 :]
         before = lines[span.line - 1][: span.column - 1]
@@ -131,7 +131,9 @@ def without(source: SourceFile, path: Path) -> str:
 
 
 def _last_line(places: Places, lines: Sequence[str], table: Path) -> int | None:
-    """Return the line (from 1) after which a new key of a table is added; None if the table has no header."""
+    """Return the number (from 1) of the line after which a new key of a table is added; 0 for the start of
+    the file. None if the table has no header.
+    """
     if not table:
         tops = [span.end_line for path, span in places.values.items() if len(path) == 1]
         return max(tops, default=0)
@@ -143,7 +145,8 @@ def _last_line(places: Places, lines: Sequence[str], table: Path) -> int | None:
 
 
 def _checked(old: str, new: str, path: Path, value: object) -> str:
-    """Return a changed TOML text, after a check that it differs from the old one only by the value at a path.
+    """Check that a changed TOML text differs from the old text only in the value at a path, and return the
+    changed text.
 
     Args:
         old: the text before the change.
@@ -158,9 +161,9 @@ def _checked(old: str, new: str, path: Path, value: object) -> str:
         wanted, found = tomllib.loads(old), tomllib.loads(new)
         _put(wanted, path, value)
     except (tomllib.TOMLDecodeError, KeyError, IndexError, TypeError) as error:
-        raise ChangeError(f"{_said(path)} can't be changed where it stands: {error}") from None
+        raise ChangeError(f"{_said(path)} can't be changed in place: {error}") from None
     if wanted != found:
-        raise ChangeError(f"{_said(path)} can't be changed where it stands")
+        raise ChangeError(f"{_said(path)} can't be changed in place")
     return new
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 
 
 def circles(parents: Mapping[str, str]) -> Iterator[list[str]]:
-    """Yield each circle of dependencies once, given the parent of each name."""
+    """Yield each circle of dependencies once, as a list of names. `parents` has the parent of each name."""
     seen: set[str] = set()
     for start in parents:
         path: list[str] = []

@@ -44,7 +44,7 @@ class Mistake:
 
 @frozen
 class Draft(Generic[D]):
-    """The content of a TOML file that can be read, and the mistakes in the rest.
+    """The readable content of a TOML file, and the mistakes in the rest of the file.
 
     Attributes:
         table: content of the file, without the dropped keys.
@@ -85,13 +85,17 @@ def read_draft(data: dict[str, Any], document: type[D]) -> Draft[D]:
 
 
 def _mistake(document: type[Document], data: dict[str, Any], detail: Any, excused: set[Path]) -> Mistake:
-    """Convert one error of pydantic to a mistake. A misspelled required key is added to `excused`."""
+    """Convert one error of pydantic to a mistake. If a key is the misspelling of a required key, the required
+    key is added to `excused`, so that it isn't reported as missing.
+    """
     path: Path = tuple(detail["loc"])
     kind: str = detail["type"]
     name, value, context = spoken(path), detail.get("input"), detail.get("ctx", {})
     if kind == "extra_forbidden":
         return _unknown_key(document, data, path, excused)
-    if kind in _TYPES and not (kind == "float_type" and type(value) is int):  # an int beyond the floats
+    # pydantic reports `float_type` also for an integer beyond the range of floats. Such a value has the right
+    # type.
+    if kind in _TYPES and not (kind == "float_type" and type(value) is int):
         wanted = _wanted(document, path) or _TYPES[kind]
         return Mistake("Y1306", path, f"{name} is {_kind(value)}, but must be {wanted}.", f"Write {wanted}.")
     shown = _shown(value)
@@ -108,9 +112,9 @@ def _mistake(document: type[Document], data: dict[str, Any], detail: Any, excuse
             f"at least {context['ge']:,g}" if "ge" in context else f"at most {context['le']:,.7g}"
         )
         message = f"{name} is {shown}, but must be {bound}."
-        return Mistake("Y1308", path, message, f"Give a value of {bound}.")
+        return Mistake("Y1308", path, message, f"Write a value of {bound}.")
     message = f"{name} is {shown}, but must be a finite number of at most 1e12."
-    return Mistake("Y1307", path, message, "Write the number out; nan and inf are no numbers here.")
+    return Mistake("Y1307", path, message, "Write a finite number; nan and inf aren't allowed.")
 
 
 _TYPES = {
@@ -126,15 +130,17 @@ _TYPES = {
 
 
 def _wanted(document: type[Document], path: Path) -> str | None:
-    """Return the schema's description of a key's values; None without a description, and for an entry of a
-    list.
+    """Return the schema's description of a key's values; None if the schema has no description, and for an
+    entry of a list.
     """
     key = path[-1]
     return _table_at(document, path[:-1]).wanted.get(key) if isinstance(key, str) else None
 
 
 def _unknown_key(document: type[Document], data: dict[str, Any], path: Path, excused: set[Path]) -> Mistake:
-    """Return the mistake for an unknown key. A misspelled required key is added to `excused`."""
+    """Return the mistake for an unknown key. If the key is the misspelling of a required key, the required
+    key is added to `excused`.
+    """
     *above, key = path
     table = _table_at(document, tuple(above))
     fields = tuple(table.model_fields)
@@ -143,7 +149,7 @@ def _unknown_key(document: type[Document], data: dict[str, Any], path: Path, exc
         here = here[part]
     near = difflib.get_close_matches(str(key), [field for field in fields if field not in here], 1, 0.6)
     known = ", ".join(fields)
-    message = f"{_table(path)} has no key {key}."
+    message = f"{_table(path)} doesn't know the key {key}."
     if not near:
         return Mistake("Y1305", path, message, f"Remove it; the keys are {known}.", at_key=True)
     if near[0] in table.required:
@@ -172,20 +178,20 @@ def _missing(document: Document) -> Iterator[Path]:
 
 
 def missing_mistake(document: type[Document], path: Path, why: str = "") -> Mistake:
-    """Return the mistake that a required key is missing; `why` ends its first sentence."""
+    """Return the mistake that a required key is missing; `why` is the end of the message's first sentence."""
     key = str(path[-1])
     example = document.examples.get(key)
     if len(path) == 1 and example is not None and example.startswith("it "):
         message, remedy = f"The table [{key}] is missing{why}.", f"Add it; {example}"
     else:
         message = f"{_table(path) if len(path) > 1 else 'The file'} lacks {key}{why}."
-        remedy = f"Add it; {example or f'{key} = [...], one entry a joint.'}"
+        remedy = f"Add it; {example or f'{key} = [...], one entry for each joint.'}"
     return Mistake("Y1304", path, message, remedy, at_key=True)
 
 
 def _prune(data: dict[str, Any], path: Path) -> Path:
-    """Remove the innermost key of `path` from the data, and return the key's path. A list is removed as a
-    whole.
+    """Remove the innermost key of `path` from the data, and return the key's path. If `path` leads to an
+    entry of a list, the whole list is removed.
     """
     end = max(at for at, part in enumerate(path) if isinstance(part, str)) + 1
     *above, key = path[:end]
@@ -197,7 +203,7 @@ def _prune(data: dict[str, Any], path: Path) -> Path:
 
 
 def spoken(path: Path) -> str:
-    """Return a key's path in words: `K[3] of [actuation]`. Entries count from 1, as joints do."""
+    """Return a key's path in words: `K[3] of [actuation]`. Entries are counted from 1, like joints."""
     last = _key_of(path)
     name = str(path[last]) + "".join(f"[{part + 1}]" for part in path[last + 1 :] if isinstance(part, int))
     return f"{name} of {table_of(path)}" if last else name
@@ -210,7 +216,7 @@ def table_of(path: Path) -> str:
 
 
 def _key_of(path: Path) -> int:
-    """Return the index of the last key in a path. After it, the path has only numbers of list entries."""
+    """Return the index of the last key in a path. All later parts of the path are numbers of list entries."""
     return max(at for at, part in enumerate(path) if isinstance(part, str))
 
 

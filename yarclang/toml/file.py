@@ -71,13 +71,13 @@ def right_length(
     last = path[-1]
     name = last if isinstance(last, str) else f"Row {last + 1} of {path[-2]}"
     message = f"{name} has {len(values)} {what}{'s' * (len(values) != 1)}, but the robot has {size} {per}s."
-    file.say("Y1309", path, message, f"Give one {what} a {per}, from the base to the flange.")
+    file.say("Y1309", path, message, f"Write one {what} for each {per}, from the base to the flange.")
     return False
 
 
 def did_you_mean(name: str, names: Iterable[str]) -> tuple[str, Name]:
-    """Return the help for a wrong name, which suggests similar ones of `names`, and the wrong name as the
-    subject of the finding.
+    """Return two values for a finding about a wrong name: the help, which suggests similar names from
+    `names`, and the subject, which is the wrong name.
     """
     known = sorted(names)
     near = difflib.get_close_matches(name, known, 1, 0.6)

@@ -11,7 +11,7 @@ from yarclang.frozen import frozen
 from yarclang.source import SourceFile, Span
 
 Path = tuple[str | int, ...]
-"""Keys from the top of the file: strings, and indices (from 0) in arrays."""
+"""Path of a key or value from the top of the file: keys, and indices (from 0) in arrays."""
 
 _BARE_END = frozenset(" \t\n=.]#,}")
 _SCALAR_END = frozenset("\n#,]}")
@@ -30,8 +30,8 @@ class Places:
     values: dict[Path, Span]
 
     def of_value(self, path: Path) -> Span:
-        """Return the position of the value at `path`. If the value has none, return that of the innermost
-        value or key around it.
+        """Return the position of the value at `path`. If this value has no position, return the position of
+        the innermost value or key that encloses it.
         """
         return self._nearest(path, (self.values, self.keys))
 
@@ -108,7 +108,8 @@ class _Scanner:
 
         Args:
             table: path of the table.
-            resolve: True in a header, where the name of an array of tables means its last table.
+            resolve: True for a key in a header. In a header, the name of an array of tables denotes its last
+                table.
         """
         path = table
         while True:

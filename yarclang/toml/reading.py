@@ -44,7 +44,7 @@ def parse_toml(source: SourceFile) -> dict[str, Any] | Diagnostic:
     """Return the data of a TOML text, or a finding."""
     import tomllib
 
-    remedy = "Correct the TOML at this place."
+    remedy = "Correct this line or the one above it: often a bracket, a quote or an = is missing."
     try:
         return tomllib.loads(source.text)
     except RecursionError:

@@ -21,8 +21,9 @@ Positive = Annotated[float, Field(ge=LEAST, le=LARGEST)]
 class Table(BaseModel):
     """A table of a file, with strict types. Unknown keys are errors.
 
-    For pydantic, required keys are optional, so that the rest of a file with one bad value can still be
-    checked. Validators are built when they are first used, since only that of the whole file is needed.
+    Required keys are optional for pydantic, so that a file with a missing or wrong value can still be
+    checked. Validators are built only when they are first used, because only the validator of the whole file
+    is needed.
 
     Attributes:
         required: the required keys.
@@ -38,7 +39,7 @@ class Document(Table):
     """A whole file.
 
     Attributes:
-        tables: the table, or the kind of table, of each key.
+        tables: the class of the table, or of each of several tables, that belongs to each key.
         examples: text to add for missing keys.
     """
 

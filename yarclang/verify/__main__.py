@@ -6,9 +6,9 @@ from pathlib import Path
 from yarclang.verify.verdict import Verdict, verify
 
 ACCEPTED, REFUSED, USAGE, UNCHECKED = 0, 1, 2, 3
-"""Exit status: all was checked; refused; wrong usage; nothing is wrong, but something was not checked."""
-LARGEST = 1 << 30
-"""Largest size of a text or proof [bytes]."""
+"""Exit statuses: all checked and right; text refused; wrong usage; nothing wrong, but not all checked."""
+LARGEST = 1 << 26
+"""Largest size of a text or proof [bytes]. The numbers of a proof take up to 40 times its size in memory."""
 
 
 def status_of(verdict: Verdict) -> int:
@@ -17,19 +17,20 @@ def status_of(verdict: Verdict) -> int:
 
 
 def printable(text: str) -> str:
-    """Return a line with unprintable characters written as numbers, for output to a terminal.
+    """Return a line in ASCII, with all other characters written as numbers, for output to a terminal.
 
-    A terminal would interpret some of these characters, and reverse the direction of writing at others.
+    A terminal would interpret some of these characters, reverse the direction of writing, or lack them.
+    Letters of other alphabets look like Latin ones.
     """
-    return "".join(one if one.isprintable() else f"\\u{ord(one):04x}" for one in text)
+    return "".join(one if " " <= one <= "~" else f"\\u{ord(one):04x}" for one in text)
 
 
 def report(name: str, verdict: Verdict) -> str:
-    """Return a verdict in words."""
+    """Return the lines that report a verdict."""
     if verdict.refused:
         return f"{printable(name)}: refused: {printable(verdict.refused)}"
     lines = [f"{printable(name)}: nothing wrong in what was checked"]
-    for title in ("told", "checked", "unchecked"):
+    for title in ("told", "checked", "exempt", "unchecked"):
         lines += [f"{title}:", *(f"  {printable(one)}" for one in getattr(verdict, title))]
     return "\n".join(lines)
 

@@ -19,7 +19,9 @@ Step = tuple[list[Vector], Vector]
 """A frame relative to another one: the columns of its rotation, and its origin."""
 SQUARE_ROOT_OF_2 = above(Fraction(14143, 10000))
 _UNEVEN = ONE >> 40
-"""Precision of rotations: they lengthen vectors by less than 2**-30, which is added to bounds."""
+"""Largest deviation of a rotation's columns from unit length and right angles. Bounds include its effect,
+less than 2**-30 of a length.
+"""
 
 
 @dataclass
@@ -109,21 +111,19 @@ class Arm:
         return found
 
     def frame(self, q: Sequence[int], rates: Sequence[int], tool: Step) -> Frame:
-        """Return a moving frame that is fixed on the flange, for joint positions [rad or m] and velocities
-        [rad/s or m/s].
-        """
+        """Return the frame `tool` on the flange, with its velocities, for `q` and `rates` as in `links`."""
         return beyond(beyond(self.links(q, rates)[-1], self.steps[-1]), tool)
 
     def reaches(self, size: int, point: Vector, travel: Sequence[int], way: int = 0) -> list[int]:
         """Bound the distance of a body from the axis of each joint that turns it, over all joint positions.
 
-        From the body towards the base, take on each axis the point nearest to the point of the axis before.
-        Only rotations lie between two axes, so the distances add up; a sliding joint adds its `travel`.
+        The bound is the length of a polyline from the body towards the base, through the nearest point of
+        each axis. Turning a joint doesn't change the length of a section. A sliding joint adds its `travel`.
 
         Args:
             size: number of joints that move the body.
             point: the body's middle, in the frame of the last of these joints.
-            travel: largest |q| of each sliding joint.
+            travel: largest distance of each sliding joint from its zero position.
             way: radius of the body around its middle.
         """
         found = [0] * size
@@ -138,7 +138,7 @@ class Arm:
         return found
 
     def to_flange(self, point: Vector) -> Vector:
-        """Return a point, given on the flange, in the frame of the last joint."""
+        """Convert a point from the flange's frame to the frame of the last joint."""
         return _out(*self.steps[-1], point)
 
     def bends(
@@ -146,8 +146,8 @@ class Arm:
     ) -> tuple[int, int]:
         """Bound the fourth derivatives of a frame's origin and of its rotation matrix (Frobenius norm).
 
-        |q'|, |q''|, |q'''| of each joint are at most w, a, j. The Frobenius norm of a product of [axis]x is
-        at most sqrt 2.
+        w, a, j bound each joint's |q'|, |q''|, |q'''|. The Frobenius norm of a product of cross-product
+        matrices of unit axes is at most sqrt 2.
         """
         origin, turn = derivative(4, self.turns, reach, w, a, j)
         return origin + (origin >> 30), times(SQUARE_ROOT_OF_2, turn + (turn >> 30))
@@ -156,20 +156,21 @@ class Arm:
 def derivative(
     order: int, turns: Sequence[bool], reach: Sequence[int], *rates: Sequence[int]
 ) -> tuple[int, int]:
-    """Bound a derivative over time, of order 1 to 4, of a point and of the rotation that joints move.
+    """Bound the derivatives of one order (1 to 4) over time of a point and of a rotation that joints move.
 
-    Each joint has a constant jerk, and |q'|, |q''|, |q'''| are at most its `rates`. By Faa di Bruno's
-    formula, with the sums W, A, J of these up to a turning joint, the complete Bell polynomial B of W, A, J
-    counts chains of cross products with axes. No chain is longer than the reach of the joint nearest to the
-    point, which gives the sum of reach (B - B before). A sliding joint is innermost in a chain, and appears
-    once: its k-th derivative beside any chain of order - k derivatives, in comb(order, k) ways.
+    Each joint has a constant jerk, and |q'|, |q''|, |q'''| are at most its `rates`. Let W, A, J be the sums
+    of these bounds up to a turning joint, and B the complete Bell polynomial of W, A, J. By Faa di Bruno's
+    formula, B counts chains of cross products with axes. No chain is longer than the reach of the joint
+    nearest to the point, so the bound is the sum of reach times the growth of B at each joint. A sliding
+    joint appears once in a chain, as its innermost factor. Its k-th derivative is multiplied by the chains of
+    order - k, and there are comb(order, k) such products.
     """
     sums, polynomials, before, found = [0, 0, 0], _bell(0, 0, 0), 0, 0
     for turn, far, *own in zip(turns, reach, *rates, strict=True):
         if turn:
             sums = [a + b for a, b in zip(sums, own, strict=True)]
             polynomials = _bell(*sums)
-            # `before` is rounded up, by less than is added here.
+            # `before` is rounded up, which makes the difference too small. The added term makes up for this.
             found += times(far, polynomials[order] - before + (ONE >> 64))
             before = polynomials[order]
             continue
@@ -179,7 +180,7 @@ def derivative(
 
 
 def _bell(w: int, a: int, j: int) -> tuple[int, int, int, int, int]:
-    """Return upper bounds of the complete Bell polynomials of w, a, j, 0 from order 0 to 4."""
+    """Return upper bounds of the complete Bell polynomials of orders 0 to 4, at the arguments w, a, j, 0."""
     square = times(w, w)
     third = times(square, w) + 3 * times(w, a) + j
     fourth = times(square, square) + 6 * times(square, a) + 3 * times(a, a) + 4 * times(w, j)
@@ -187,7 +188,7 @@ def _bell(w: int, a: int, j: int) -> tuple[int, int, int, int, int]:
 
 
 def beyond(here: Frame, step: Step) -> Frame:
-    """Return the frame that a constant transform leads to from a frame."""
+    """Return the frame at a constant transform from another frame."""
     rows = list(zip(*here.axes, strict=True))
     far = [dot(row, step[1]) for row in rows]
     return Frame(
@@ -206,6 +207,6 @@ def _out(columns: list[Vector], offset: Vector, point: Vector) -> Vector:
 
 
 def in_si(printed: int | Fraction, scale: int, turns: bool) -> int:
-    """Return a number in units of 1 / scale deg or mm, or such a rate, in rad or m."""
+    """Convert a number in units of 1 / scale deg or mm, or a rate in these units, to rad or m."""
     degrees = (printed.numerator << BITS) // (printed.denominator * scale)
     return degrees * PI // (180 << BITS) if turns else degrees // 1000

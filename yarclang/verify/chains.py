@@ -1,12 +1,12 @@
 """Check that each motion follows its path, and that blends between motions stay near the corners of their
 paths.
 
-A motion from rest to rest is a chain of one. In a chain of blended motions, each begins at the programmed
-goal of the motion before. It follows its path from one place of the controller text to another; the proof
-names both. If the next motion continues exactly there, at the end of the first path and the start of the
-second, the corner needs no further check. Otherwise the corner has a ball; the proof gives its radius and
-both tolerances. Until the next path is joined, the frame stays in the ball, and so do the sections of both
-paths that are not followed. The frame is turned away from the corner by at most the turns of these sections.
+A motion from rest to rest is a chain of one. In a chain of blended motions, each path begins at the
+programmed goal of the motion before. The proof names the places of the controller text between which a motion
+follows its path. A corner needs no further check if the first path is followed to its end, and the second one
+from its start on, without a gap. Otherwise the proof gives the radius of a ball around the corner. In the
+blend, the frame stays in the ball within the tolerance, and so do the sections of both paths that are not
+followed. The frame's angle from the corner is at most the tolerance plus the rotations in these sections.
 Between two joint motions, each joint has a ball (an interval) of its own.
 """
 
@@ -19,7 +19,7 @@ from typing import Any
 
 from yarclang.verify.arm import Arm, Frame, Step, Vector, beyond, derivative, dot, in_si, placed
 from yarclang.verify.course import Moved
-from yarclang.verify.exact import ONE, SLACK, above, fixed, length, need, times, whole
+from yarclang.verify.exact import ONE, PI, SLACK, above, fixed, length, need, times, whole
 from yarclang.verify.joints import Joints, Pieces, in_joints, through, timetable
 from yarclang.verify.paths import (
     SHARE,
@@ -28,7 +28,6 @@ from yarclang.verify.paths import (
     Motion,
     Piece,
     State,
-    check_speeds,
     chord_of,
     cut,
     distances,
@@ -43,12 +42,20 @@ from yarclang.verify.reader import PRINTED, STEPS
 Told = dict[str, Any]
 Link = tuple[Moved, Told]
 FRAMED = ("line", "arc", "spline of poses")
-"""Motions along the path of a frame; the others are those of joints."""
+"""Kinds of motions that move a frame along a path. All others move joints."""
 _CHOSEN = Fraction(1, 1000)
-"""Largest distance between a corner's pose and the joints that were chosen for it [mm or deg]."""
+"""Largest deviation from a corner's pose at the joint positions chosen for this pose [mm and deg]."""
 _CORNER = 32
-"""Pieces of the part of a path beside a corner that isn't followed."""
+"""Number of pieces into which the section of a path that a blend leaves out is cut."""
 _STILL: Vector = [0, 0, 0]
+_FASTEST = Fraction(1 << 20)
+"""Speed that stands for "no limit", since no robot is as fast [mm/s or deg/s]."""
+_OFF = Fraction(1, 1000)
+"""Allowed deviation from a programmed speed, or excess over a ceiling, as a fraction of this speed."""
+Speed = tuple[int, list[tuple[int, int, int]]]
+"""The index of a segment, and two triples of speeds on a piece of it (least, largest, larger of both ends):
+those of the frame's origin [m/s], and those of its rotation [rad/s].
+"""
 
 
 @dataclass
@@ -58,13 +65,12 @@ class Followed:
     Attributes:
         motion: the motion.
         told: the proof's description of the motion.
-        what: what follows the path, a frame or the joints.
+        what: the frame or the joints that follow the path.
         path: the path.
         begin: place in the controller text from which on the path is followed.
         end: place up to which the path is followed.
         shares: range of the path parameter s that is followed.
-        speeds: for a frame, least and largest speed on each piece of the motion's time.
-        segments: segment of each of these pieces.
+        speeds: the frame's speeds on each piece of time; empty without a programmed speed or a ceiling.
     """
 
     motion: Motion
@@ -74,13 +80,12 @@ class Followed:
     begin: Fraction
     end: Fraction
     shares: tuple[int, int]
-    speeds: list[tuple[int, int]] = field(default_factory=list)
-    segments: list[int] = field(default_factory=list)
+    speeds: list[Speed] = field(default_factory=list)
 
 
 def chains_of(rows: Sequence[Moved], steps: Sequence[Told]) -> Iterator[list[Link]]:
-    """Yield the motions from rest to rest, including those without a path, each as a chain of one, and the
-    chains of blended motions.
+    """Yield the chains of blended motions. A motion from rest to rest is a chain of one, even if it has no
+    move lines.
 
     A motion without move lines between the motions of a chain belongs to the chain.
     """
@@ -92,13 +97,14 @@ def chains_of(rows: Sequence[Moved], steps: Sequence[Told]) -> Iterator[list[Lin
         if row.entry.blend is None and (row.control or len(chain) == 1):
             yield chain
             chain = []
+    need(not chain, "a motion flows into one that has no moves, or that isn't there")
 
 
 def why_not(chain: Sequence[Link], proofs: dict[str, Any]) -> str:
     """Return the reason why the paths of a chain are not checked; empty if they are."""
     for row, told in chain:
         if told.get("unchecked"):
-            return str(told["unchecked"])
+            return f"the proof says {str(told['unchecked'])!r}"
         if len(chain) > 1 and not row.control:
             return "a motion among them that leads nowhere"
         strange = not {"speed", "ceiling", "blend"}.isdisjoint(told)
@@ -108,10 +114,6 @@ def why_not(chain: Sequence[Link], proofs: dict[str, Any]) -> str:
             return "its path, of which the proof says nothing"
         if not row.control and told["move"] in FRAMED[1:]:
             return f"its path, {told['move']}, which leads nowhere"
-    for (_, one), (_, other) in pairwise(chain):
-        changes = {one["move"], other["move"]} <= set(FRAMED) and one["tool"] != other["tool"]
-        if changes and not {"speed", "ceiling"}.isdisjoint({*one, *other}):
-            return "another frame goes on, with a speed or a ceiling"
     return ""
 
 
@@ -124,9 +126,9 @@ def check_chain(chain: Sequence[Link], proofs: dict[str, Any], arm: Arm) -> Iter
         title, (position, angle) = row.entry.title, told["tolerance"]
         need(position > 0 and angle > 0, f"{title}: a tolerance that isn't above 0")
         if "duration" in told:
-            # The controller's resolution may change each segment by half a step, and each segment of a
-            # timetable, whose times are rounded up, by a whole step. The corners of a chain are between
-            # segments, so a motion of a chain may be longer or shorter. What leads nowhere has none.
+            # The duration may be off by half a step of the controller's resolution for each segment; in a
+            # timetable, whose segment times are rounded up, by a whole step. In a chain, half a segment is
+            # added: a motion ends between two segments, even if its corner lies within one.
             segments, halves = row.last - row.first, 1 + (told["move"] == "timetable")
             late += segments * row.seconds - told["duration"]
             allowed = Fraction(segments * halves, 2 * STEPS * 1000) + Fraction(1, 10**9)
@@ -143,8 +145,13 @@ def check_chain(chain: Sequence[Link], proofs: dict[str, Any], arm: Arm) -> Iter
     begins = first.begin == chain[0][0].first and first.shares[0] == 0
     ends = last.end == chain[-1][0].last and last.shares[1] == ONE
     need(begins and ends, f"{title}: not shown to follow its path from its start to its end")
-    balls = [_corner(one, other, proofs[str(one.motion.row.entry.step)]) for one, other in pairwise(found)]
-    yield from _speeds(chain, found, balls, proofs)
+    pairs = [_corner(one, other, proofs[str(one.motion.row.entry.step)]) for one, other in pairwise(found)]
+    kept = [False, *pairs, False]
+    sharp = [None if max(one.told.get("blend", [0])) > 0 else one.end for one in found[:-1]]
+    corners = [None, *sharp, None]
+    for number, path in enumerate(found):
+        besides = [found[k].told if 0 <= k < len(found) else None for k in (number - 1, number + 1)]
+        yield from _check_speeds(path, besides, kept[number : number + 2], corners[number : number + 2])
 
 
 def _stays(row: Moved, told: Told, arm: Arm) -> None:
@@ -159,11 +166,11 @@ def _stays(row: Moved, told: Told, arm: Arm) -> None:
 
 
 def _on_time(row: Moved, told: Told, proof: Told, arm: Arm) -> None:
-    """Check that each joint is where a timetable has it at the same time, within the joint's entry of
+    """Check that each joint is at the timetable's position at any time, within the joint's tolerance in
     `within`.
 
-    The motion is cut into pieces, also at the timetable's rows. The segments of the controller text take the
-    timetable's duration except for the rounding of TM, which is spread evenly over them.
+    The motion is cut into pieces, also at the timetable's rows. The segments' total duration differs from the
+    timetable's by the rounding of the segment time. The difference is spread evenly over all segments.
     """
     title, motion, rows = row.entry.title, Motion(row, arm), told["rows"]
     table, size = (
@@ -178,7 +185,7 @@ def _on_time(row: Moved, told: Told, proof: Told, arm: Arm) -> None:
         all(a <= b for a, b in zip(limits, most, strict=True)),
         f"{title}: a joint's part beyond its tolerance",
     )
-    if rows[0]["q"] is not None:  # where the table begins, the robot stands
+    if rows[0]["q"] is not None:  # the first row must be where the robot stands
         stands = zip(in_joints(rows[0]["q"], 1, arm.turns), table.at(0), strict=True)
         _within(
             Joints(motion), limits, [abs(a - b) for a, ((b,), _) in stands], f"{title}, from its first row"
@@ -203,8 +210,8 @@ def _goals(row: Moved, told: Told, proof: Told, arm: Arm) -> Iterator[Vector]:
     """Yield the goals of a joint motion as joint positions. If they were chosen for a programmed pose, check
     that they reach this pose.
 
-    For the last goal, the proof may give only a pose. The joint positions are then those where the motion
-    ends; in a chain, the proof gives them.
+    The proof may give only a pose for the last goal. The joint positions are then those at the motion's end,
+    or in a chain the `goal` of the proof.
     """
     title, flows = row.entry.title, row.entry.blend is not None
     for goal in told["through"]:
@@ -261,21 +268,21 @@ def _follow(row: Moved, told: Told, proof: Told, arm: Arm, before: Followed | No
     first, last = (fixed(Fraction(proof["s"][k], SHARE)) for k in (0, -1))
     found = Followed(motion, told, what, path, begin, end, (first, last))
     state, most = what.at(begin), [0] * len(limits)
-    if first in (0, ONE):  # an end of the path; if the proof has this place alone, no piece shows it
+    if first in (0, ONE):  # without pieces, this is the only check of an end of the path
         off = error(state, path.at(first), fixed(Fraction(proof["rates"][0], SHARE)))
         most = [length(*e) + SLACK for e, _ in off]
     for piece in distances(what, path, pieces_of(motion, proof), state):
         most = [max(pair) for pair in zip(most, piece.off, strict=True)]
-        if isinstance(what, Frames):
-            found.speeds.append(speeds_on(piece))
-            found.segments.append(piece.piece.segment)
     _within(what, limits, most, f"{title}, from its path")
-    if "tolerance_of" in told:  # a frame of which TOL is, while joints move
+    if "tolerance_of" in told:  # TOL of a joint motion may refer to a frame
         led = Frames(arm, placed(told["tolerance_of"]), motion)
         slides = sum(off for off, turns in zip(most, arm.turns, strict=True) if not turns)
         ways = zip(most, led.reach, arm.turns, strict=True)
         far = slides + sum(times(off, reach + slides) for off, reach, turns in ways if turns)
         _within(led, [in_si(told["tolerance"][0], 1, False)], [far], f"{title}, from its way")
+    if not {"speed", "ceiling"}.isdisjoint(told) and "tool" in told:
+        moved = what if isinstance(what, Frames) else Frames(arm, placed(told["tool"]), motion)
+        found.speeds = list(_speeds(moved, motion, (begin, end), whole(proof.get("speeds", proof["pieces"]))))
     return found
 
 
@@ -301,6 +308,9 @@ def _of_joints(row: Moved, told: Told, proof: Told, arm: Arm, before: Followed |
         start = in_joints(proof["start"], 1, arm.turns)
         what = f"{row.entry.title}: the joints that were chosen for the corner before, where the frame"
         _near(arm, start, before.told, [_CHOSEN, _CHOSEN], what)
+        here, _ = before.motion.at(before.end)
+        apart = (abs(a - b) for a, b, turns in zip(start, here, arm.turns, strict=True) if turns)
+        need(max(apart, default=0) < PI // 2, f"{what} is in another posture")
     else:
         start = before.path.goal
     points = [start, *_goals(row, told, proof, arm)]
@@ -324,23 +334,24 @@ class _Corner:
 
 
 def _still(places: Sequence[Fraction], seconds: Fraction) -> Iterator[Piece]:
-    """Yield the pieces of time between places, with a path parameter s that stays 0."""
+    """Yield the time intervals between places. Their path parameter s stays 0."""
     for begin, end in pairwise(places):
         yield Piece((end - begin) * seconds, (0, 0), (0, 0), (0, 0, 0), int(begin), end)
 
 
-def _corner(first: Followed, second: Followed, proof: Told) -> list[tuple[int, int]]:
-    """Check the blend around the corner between two motions; return bounds of the frame's speed while neither
-    path is followed.
+def _corner(first: Followed, second: Followed, proof: Told) -> bool:
+    """Check the blend around the corner between two motions; return True if both paths are followed up to the
+    corner.
     """
     row, told, arm = first.motion.row, first.told, first.motion.arm
     title = row.entry.title
-    far = Fraction(row.entry.blend or 0, 2) + 1
+    half, ball = (row.entry.blend or 0) // 2, told.get("blend", [0, 0])
+    far = half + 1
     inside = row.last - far <= first.end <= second.begin <= row.last + far
     need(inside, f"{title}: its path is left, or the next one joined, away from the corner between both")
-    if first.end == second.begin and first.shares[1] == ONE and second.shares[0] == 0:
-        return []
-    ball = told.get("blend", [0, 0])
+    is_kept = first.end == second.begin and first.shares[1] == ONE and second.shares[0] == 0
+    if is_kept and not (half and max(ball) > 0):
+        return True
     need(min(ball) >= 0 and max(ball) > 0, f"{title}: a corner without a ball is left")
     limits = _per_joint([a + b for a, b in zip(ball, told["tolerance"], strict=True)], arm)
     one, share = (second, 0) if isinstance(first.what, Joints) else (first, ONE)
@@ -355,17 +366,18 @@ def _corner(first: Followed, second: Followed, proof: Told) -> list[tuple[int, i
     if isinstance(one.what, Frames):
         limits[1] = chord_of(limits[1] + sum(turned))
     what = Frames(arm, one.what.tool, first.motion) if isinstance(one.what, Frames) else first.what
-    pieces = _still(cut(first.end, second.begin, whole(proof["corner"])), row.seconds)
-    speeds = []
-    for piece in distances(what, corner, pieces, what.at(first.end)):
-        _within(what, limits, piece.off, f"{title}, from its corner in its blend")
-        if isinstance(what, Frames):
-            speeds.append(speeds_on(piece))
-    return speeds
+    # Everything that the map calls a blend is in the ball, also what follows a path.
+    begin, end = min(first.end, Fraction(row.last - half)), max(second.begin, Fraction(row.last + half))
+    here, where = what.at(begin), f"{title}, from its corner in its blend"
+    _within(what, limits, [length(*off) + SLACK for off, _ in error(here, corner.at(0), 0)], where)
+    pieces = _still(cut(begin, end, whole(proof.get("corner", proof["pieces"]))), row.seconds)
+    for piece in distances(what, corner, pieces, here):
+        _within(what, limits, piece.off, where)
+    return is_kept
 
 
 def _seen_from(told: Told, tool: Step) -> Step:
-    """Return a frame on the flange as the frame of a motion sees it."""
+    """Return the pose of a frame on the flange, `tool`, in the frame that the motion `told` moves."""
     axes, origin = placed(told["tool"])
     away = [b - a for a, b in zip(origin, tool[1], strict=True)]
     return [[dot(axis, column) for axis in axes] for column in tool[0]], [dot(axis, away) for axis in axes]
@@ -374,19 +386,19 @@ def _seen_from(told: Told, tool: Step) -> Step:
 def _left_out(
     left: Followed, share: int, end: int, one: Followed, corner: _Corner, limits: Sequence[int], where: str
 ) -> int:
-    """Check that the section of a path that a blend leaves out is in the corner's ball; return how far the
-    path turns there.
+    """Check that the section of a path that a blend leaves out is in the corner's ball; return the angle by
+    which the frame turns on this section.
 
-    The section is cut into pieces. On each, a point of the path is off the straight line between the ends by
-    at most the square of the piece's size, times 1 / 8 of the second derivative.
+    The section is cut into pieces. On each piece, the path is off its chord by at most 1 / 8 of the second
+    derivative times the square of the piece's size.
 
     Args:
-        left: the motion along this path.
+        left: the motion whose path is left or joined.
         share: path parameter s at which the path is left or joined.
         end: path parameter s of the corner.
         one: the motion whose frame, or whose joints, have a ball.
         corner: the corner.
-        limits: the ball.
+        limits: radius of the ball, of the frame or of each joint.
         where: the place, for a message.
     """
     arm, size, turned = left.motion.arm, abs(end - share) // _CORNER + 1, 0
@@ -424,77 +436,90 @@ def _left_out(
 
 
 def _moved(state: State, offset: Vector) -> Vector:
-    """Return the place of a point that is given in a frame."""
+    """Return a point in {B}, given its coordinates `offset` in a frame, and the state of this frame."""
     (origin, _), (axes, _) = state
     return [o + dot(axes[k::3], offset) for k, o in enumerate(origin)]
 
 
-def _speeds(
-    chain: Sequence[Link], found: Sequence[Followed], balls: Sequence[list[tuple[int, int]]], proofs: Told
+def _speeds(frame: Frames, motion: Motion, span: tuple[Fraction, Fraction], pieces: int) -> Iterator[Speed]:
+    """Yield the speeds of a frame on the pieces of a motion's time, also in its blends, and where it follows
+    its path outside of its own segments.
+    """
+    begin, end = min(motion.begin, span[0]), max(motion.end, span[1])
+    here = frame.at(begin)
+    still = _still(cut(begin, end, pieces), motion.row.seconds)
+    for piece in distances(frame, _Corner(here), still, here):
+        yield piece.piece.segment, [speeds_on(piece, group) for group in (0, 1)]
+
+
+def _limit(told: Told | None, name: str, group: int) -> Fraction | None:
+    """Return the ceiling or the programmed speed of a motion [mm/s or deg/s]; None without one."""
+    if told is None or name not in told or (name == "speed" and told["move"] not in FRAMED):
+        return None
+    limit: Fraction | None = told[name][group] if name == "speed" else told[name]
+    return limit
+
+
+def _check_speeds(
+    path: Followed,
+    besides: Sequence[Told | None],
+    kept: Sequence[bool],
+    corners: Sequence[Fraction | None],
 ) -> Iterator[str]:
-    """Check the speeds of a chain against the programmed speeds and ceilings; yield what isn't checked. In a
-    blend, the larger limit of its two motions applies.
+    """Check the speeds of a frame against its ceiling and its programmed speed; yield what isn't checked.
+
+    In a blend with a ball, the larger of both motions' ceilings applies, and the larger of their programmed
+    speeds. At a corner without a ball, they apply up to a segment before and after the corner; beyond the
+    corner, only those of the other motion apply. Between its ramps, a motion keeps its programmed speed: an
+    angular speed if the path only turns the frame.
+
+    Args:
+        path: the motion.
+        besides: the motions before and after it in the chain; None at an end of the chain.
+        kept: for each of them, True if both paths are followed up to the corner between them.
+        corners: for each of them, the place of a corner without a ball; None for any other.
     """
-    around = [_larger(one, other) for (_, one), (_, other) in pairwise(chain)]
-    for number, ((row, told), path) in enumerate(zip(chain, found, strict=True)):
-        begin, end = row.first + Fraction(row.before or 0, 2), row.last - Fraction(row.entry.blend or 0, 2)
-        if told["move"] not in FRAMED:
-            yield from _speed_of_joints(path, proofs[str(row.entry.step)], len(chain) == 1)
+    row, told, title = path.motion.row, path.told, path.motion.row.entry.title
+    halves = (row.before or 0) // 2, (row.entry.blend or 0) // 2
+    blends = row.first + halves[0], row.last - halves[1]
+    begin, end = (blend if at is None else at for blend, at in zip(blends, corners, strict=True))
+    group = 0 if isinstance(path.path, Pieces) else path.path.group
+    limits = [("ceiling", 0), *([] if group is None else [("speed", group)])]
+    for name, of in limits:
+        own = _limit(told, name, of)
+        if own is None or not path.speeds:
+            if name in told:
+                yield f"{title}: its {name}"
             continue
-        own = []
-        for segment, speed in zip(path.segments, path.speeds, strict=True):
-            if begin <= segment < end:
-                own.append(speed)
-            else:
-                check_speeds(around[number - (segment < begin)], [speed], f"{row.entry.title}, in a blend")
-        if own:
-            before = number > 0 and not balls[number - 1] and _is_slower(told, chain[number - 1][1])
-            behind = number < len(balls) and not balls[number] and _is_slower(told, chain[number + 1][1])
-            slow = check_speeds(told, own, row.entry.title, (before, behind))
-        else:
-            slow = "its speed, since blends take all of it" if "speed" in told or "ceiling" in told else ""
-        if slow:
-            yield f"{row.entry.title}: {slow}"
-    for (row, _), limit, speeds in zip(chain, around, balls, strict=False):
-        if speeds:
-            check_speeds(limit, speeds, f"{row.entry.title}, in a blend")
+        around = [own if one is None else _limit(one, name, of) for one in besides]
+        for segment, speeds in path.speeds:
+            ways = begin - segment, segment + 1 - end  # how far the segment reaches out of the motion
+            tops: list[Fraction | None] = [own]
+            for top, way, corner in zip(around, ways, corners, strict=True):
+                if way > -1:
+                    tops = [top] if corner is not None and way > 2 else [*tops, top]
+            top = max(_FASTEST if one is None else one for one in tops)
+            need(speeds[of][1] <= in_si(top * (1 + _OFF), 1, of == 1), f"{title}: faster than its {name}")
+    speed = None if group is None else _limit(told, "speed", group)
+    if speed is None or group is None or not path.speeds:
+        return
+    share = told.get("kept", Fraction(1))
+    need(0 < share <= 1, f"{title}: a share of a speed beyond 1")
+    slow = in_si(speed * share * (1 - _OFF), 1, group == 1) + 1
+    found = [speeds[group] for segment, speeds in path.speeds if begin <= segment < segment + 1 <= end]
+    steady = [k for k, (low, _, _) in enumerate(found) if low >= slow]
+    if not steady:  # the speed is reached only for an instant, or blends take the whole motion
+        need(not found or max(end for _, _, end in found) >= slow, f"{title}: slower than its speed")
+        return
+    held = [flows and group == 0 and _is_slower(told, one) for flows, one in zip(kept, besides, strict=True)]
+    first, last = 0 if held[0] else steady[0], len(found) if held[1] else steady[-1] + 1
+    least = min(low for low, _, _ in found[first:last])
+    need(least >= slow, f"{title}: slower than its speed between its ramps")
 
 
-def _speed_of_joints(path: Followed, proof: Told, alone: bool) -> Iterator[str]:
-    """Check the speed ceiling of a frame during a joint motion from rest to rest; yield what isn't
-    checked.
-    """
-    told, title = path.told, path.motion.row.entry.title
-    if "speed" in told:
-        yield f"{title}: its speed"
-    if "ceiling" in told and not (alone and "tool" in told):
-        yield f"{title}: its ceiling, and that of its corners"
-    elif "ceiling" in told:
-        frame = Frames(path.motion.arm, placed(told["tool"]), path.motion)
-        here = frame.at(path.begin)
-        pieces = distances(frame, _Corner(here), pieces_of(path.motion, proof), here)
-        check_speeds({"ceiling": told["ceiling"]}, [speeds_on(piece) for piece in pieces], title)
-
-
-def _is_slower(one: Told, other: Told) -> bool:
-    """Return True if a motion has a programmed speed that the motion beside it reaches as well."""
-    own, besides = _speed(one), _speed(other)
-    if own is None or besides is None:
+def _is_slower(one: Told, other: Told | None) -> bool:
+    """Return True if a motion's programmed speed isn't above that of the motion beside it."""
+    own, besides = _limit(one, "speed", 0), _limit(other, "speed", 0)
+    if own is None or besides is None or other is None:
         return False
     return bool(own * one.get("kept", 1) <= besides * other.get("kept", 1))
-
-
-def _speed(told: Told) -> Fraction | None:
-    """Return the programmed speed of a frame's origin; None for motions without one."""
-    return told["speed"][0] if told["move"] in FRAMED and "speed" in told else None
-
-
-def _larger(one: Told, other: Told) -> dict[str, Fraction]:
-    """Return the speed ceiling in a blend of two motions [mm/s]: the larger speed or ceiling, if both have
-    one.
-    """
-    own, besides = _speed(one), _speed(other)
-    tops = [] if own is None or besides is None else [max(own, besides)]
-    if "ceiling" in one and "ceiling" in other and {one["move"], other["move"]} <= set(FRAMED):
-        tops.append(max(one["ceiling"], other["ceiling"]))
-    return {"ceiling": min(tops)} if tops else {}

@@ -3,12 +3,12 @@ a failing host), assignments, and the duration.
 """
 
 import re
-from bisect import bisect
+from bisect import bisect, bisect_left
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import reduce
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import Any
 
 from yarclang.verify.exact import RefusedError, need
@@ -21,8 +21,10 @@ PARTING = ("when", "else", "end", "loop", "next", "exit", "endloop", "stop", "ab
 _OWN = re.compile(r"P81[0-9][0-9]|M8116|M[0-9]{1,2}6[0-9]")
 """Variables that belong to the guard and the motors, which must not be inputs or outputs."""
 _NAMED = re.compile(r"(?<![A-Z0-9_$])[MPQ][0-9]{1,4}(?![0-9])")
+_MOST_WORDS = 1 << 24
+"""Largest size of a rotary buffer: the controller has 24-bit addresses [words]."""
 _LATE, _AHEAD = Fraction(1, 10), 2
-"""Largest delay of the guard [s], and lines that the controller has taken out of the buffer."""
+"""Largest delay of the guard [s], and number of lines that the controller reads ahead of the motion."""
 
 
 @dataclass
@@ -38,10 +40,10 @@ class Moved:
         end: position after the command.
         control: control points of the command's sequence (moves without a rest between them).
         steps: duration of a segment [1/4096 ms].
-        first: the first segment of the command.
-        last: the segment after its last one.
-        before: number of segments of the blend at its start; None if it starts at rest.
-        run: number of its sequence.
+        first: index of the command's first segment.
+        last: index of the segment after the command's last one.
+        before: number of segments of the blend at the command's start; None if it starts at rest.
+        run: index of the command's sequence.
     """
 
     entry: Entry
@@ -64,8 +66,8 @@ class Moved:
 class _Open:
     """A WHEN or a loop whose end hasn't been reached yet.
 
-    It stores the state at its begin, at the ends of the other branches (of a loop: at an EXIT), and where a
-    pass of a loop ends before the loop does.
+    `before` is the state at its start. `other` is the state at the end of a WHEN's other branch, or at a
+    loop's EXITs. `again` is the state at the NEXTs, where a pass of a loop ends early.
     """
 
     loop: bool
@@ -81,7 +83,7 @@ class Ways:
 
     Attributes:
         at: the state here; None if no branch leads here.
-        ended: the state at each place where branches end before the text does. These states needn't agree.
+        ended: the state at each STOP, ABORT or other early end. These states needn't agree.
     """
 
     def __init__(self, at: Any, merge: Callable[[Any, Any, int], Any]) -> None:
@@ -95,8 +97,8 @@ class Ways:
         return self._merge(one, other, line)
 
     def passes(self, kind: str, line: int) -> Any:
-        """Process a barrier (a line that branches, loops or stops); at the end of a loop, return the state
-        where its passes end early.
+        """Process a barrier (a line that branches, loops or stops). At the end of a loop, return the state
+        merged over its NEXTs.
         """
         if kind in ("when", "loop"):
             self.open.append(_Open(kind == "loop", self.at, None if kind == "loop" else self.at))
@@ -129,21 +131,24 @@ def follow(text: Text) -> tuple[list[Moved], list[str]]:
     """Return the commands with their segments, and all actions of the controller text in order.
 
     The controller begins a sequence at rest at the current position, S, and ends it at rest in its last point
-    E: the control points are S, S, S, the points, E, E (TUM 289). Outputs and barriers must be at rest; an
-    output may also be in the middle of a blend.
+    E: the control points are S, S, S, the points, E, E (Turbo PMAC User Manual, page 289). Barriers must be
+    at rest. An output must be at rest, or in the middle of a blend.
     """
     moving = [entry for entry in text.entries if entry.first]
     found: list[Moved] = []
     done: list[str] = []
     slack = min(PRINTED // 10**text.decimals, PRINTED // 500)
 
-    def same(one: Point, other: Point, line: int) -> Point:
-        """Refuse two positions that differ by more than the last printed digit."""
-        apart = max(abs(a - b) for a, b in zip(one, other, strict=True))
-        need(apart <= slack, f"line {line}: ways that meet end {apart / PRINTED:.6g} deg or mm apart")
-        return one
+    def meet(one: tuple[Point, ...], other: tuple[Point, ...], line: int) -> tuple[Point, ...]:
+        """Refuse positions that differ by more than the last printed digit, and return all of them."""
+        for a, b in product(one, other):
+            apart = max(abs(x - y) for x, y in zip(a, b, strict=True))
+            need(apart <= slack, f"line {line}: ways that meet end {apart / PRINTED:.6g} deg or mm apart")
+        return tuple(dict.fromkeys((*one, *other)))
 
-    standing = Ways(text.start, same)
+    # The state is the position, or all positions at which the branches to this place end. The RAPID after
+    # such a place leads to one of them exactly: differences never add up.
+    standing, stood = Ways((text.start,), meet), (text.start,)
     waiting = list(moving)
     behind: Item | None = None
     places: dict[int, Point | None] = {}
@@ -157,27 +162,35 @@ def follow(text: Text) -> tuple[list[Moved], list[str]]:
             step = _sequence(number, item, standing, waiting, found, done, step)
         elif item.kind == "stand":
             need(behind is not None and behind.kind == "barrier", f"line {item.line}: a RAPID elsewhere")
-            if standing.at is not None:
-                standing.at = same(item.points[0], standing.at, item.line)
+            here = item.points[0]
+            need(
+                here in (standing.at or stood), f"line {item.line}: a RAPID to where the robot doesn't stand"
+            )
+            standing.at = standing.at and (here,)
         elif item.kind == "barrier":
             kind = text.barriers[item.line][2]
             need(step < item.step, f"line {item.line} isn't in the order of the map")
             reached = standing.at is not None or kind in ("else", "end", "endloop")
             need(reached, f"line {item.line} is never reached")
-            step = item.step
-            standing.passes(kind, item.line)
+            step, stood = item.step, standing.at or stood
+            ended = standing.at
+            again = standing.passes(kind, item.line)
             if kind == "loop":  # each pass ends where the first one begins
                 standing.open[-1].again = standing.at
+            if kind == "endloop" and ended and again:
+                meet(ended, again, item.line)
             done.append(f"barrier {item.what}")
-        elif item.kind == "put" or Fraction(item.what) > 0:
-            done.append(f"{item.kind} {item.what}")
+        else:
+            stops = behind is not None and behind.kind == "run"
+            need(item.what != "0" or stops, f"line {item.line}: a DWELL0 that doesn't end a motion")
+            done += [] if item.what == "0" else [f"{item.kind} {item.what}"]
         behind = item
-        places[step] = standing.at
+        places[step] = standing.at and standing.at[0]
     need(not waiting, "the map has a command whose moves aren't there")
     need(not standing.open, "a way or a loop of the text has no end")
     by_step = {one.entry.step: one for one in found}
     at, rows = text.start, []
-    for entry in text.entries:  # a command without moves stays where the ways to it lead, not the line above
+    for entry in text.entries:  # a command without moves is at the end of the branches before it
         if entry.step not in by_step:
             at = places.get(entry.step) or at
         one = by_step.get(entry.step) or Moved(entry, at, at)
@@ -199,7 +212,7 @@ def _sequence(
     command's step.
     """
     need(standing.at is not None, f"line {item.line} is never reached")
-    start, points = standing.at, item.points
+    (start,), points = standing.at, item.points
     control = [start, start, start, *points, points[-1], points[-1]]
     place, before = 0, None
     puts = list(item.puts)
@@ -216,7 +229,7 @@ def _sequence(
         rests = len(set(control[last : last + 3])) == 1
         knots = [a + 4 * b + c for a, b, c in zip(*control[last : last + 3], strict=True)]
         end = control[last + 2] if rests else tuple(knot // 6 for knot in knots)
-        one = Moved(entry, standing.at, end, control, item.steps, place, last, before, number)
+        one = Moved(entry, standing.at[0], end, control, item.steps, place, last, before, number)
         blend = entry.blend
         need(blend is not None or rests, f"command {entry.step} doesn't end at rest")
         need(blend is None or behind < len(points), f"command {entry.step} flows on into nothing")
@@ -225,37 +238,39 @@ def _sequence(
         need((before or 0) + (blend or 0) <= longest, f"command {entry.step} is shorter than its blends")
         found.append(one)
         done.append(f"move {entry.step}")
-        after = numbers.get(waiting[0].last or 0, place) + 1 if waiting else 0  # where the next one ends
+        after = numbers.get(waiting[0].last or 0, place) + 1 if waiting else 0  # where the next command ends
         for line, what in list(puts):
             off = bisect(item.lines, line) - behind
-            if off <= 1 and (after <= behind or abs(off) <= abs(bisect(item.lines, line) - after)):
+            if off > 1:
+                break
+            if after <= behind or abs(off) <= abs(bisect(item.lines, line) - after):
                 need(off >= -1 and blend is not None, f"line {line}: an output not in a blend's middle")
                 done.append(f"put {what}")
                 puts.pop(0)
-        standing.at, place, before, step = end, behind, blend, entry.step
+        standing.at, place, before, step = (end,), behind, blend, entry.step
     need(not puts, "an output is set after the last blend of a sequence")
     return step
 
 
 Span = tuple[Fraction, Fraction, int, int]
-"""Least and most known time [s], fewest and most waits, over all ways to a place."""
+"""Least and most time without waits [s], fewest and most waits, over all branches that lead to a place."""
 
 
 def _widest(one: Span, other: Span, *_: int) -> Span:
-    """Return the span of durations and waits that covers two sets of branches to one place."""
+    """Return the span that covers two spans."""
     return min(one[0], other[0]), max(one[1], other[1]), min(one[2], other[2]), max(one[3], other[3])
 
 
 def span_of(text: Text) -> tuple[Span, bool]:
     """Return the shortest and longest duration of a controller text with its least and largest number of
-    waits, and True if it has a loop. A loop counts once.
+    waits, and True if it has a loop.
 
-    A branch counts up to the first end of a pass, or through the loop's EXIT.
+    Each loop counts as one pass, up to the loop's end, a NEXT or an EXIT.
     """
     ways, loops = Ways((Fraction(0), Fraction(0), 0, 0), _widest), False
     for item in text.course:
         kind = text.barriers[item.line][2] if item.kind == "barrier" else item.kind
-        asks = kind == "when" and text.barriers[item.line][0].split()[3] != "-"  # a WHEN that waits as well
+        asks = kind == "when" and text.barriers[item.line][0].split()[3] != "-"  # a WHEN that also waits
         time, wait = Fraction(0), asks or kind in ("wait", "hold")
         if kind == "run":
             time = Fraction((len(item.points) + 2) * item.steps, STEPS * 1000)
@@ -289,7 +304,7 @@ def check_duration(text: Text) -> None:
     if said is not None:
         shortest, longest = said[1] or said[2], said[2]
         if not said[1] and most - least <= Fraction(1, 1999):
-            least = most  # printed as one, which is the longest
+            least = most  # the header has only the longest duration
         off = max(abs(Fraction(shortest) - least), abs(Fraction(longest) - most))
         same = off <= Fraction(1, 1999) and said[3] == rest
         need(same, "the header says another duration than the text has")
@@ -312,11 +327,12 @@ def check_guard(text: Text, robot: dict[str, Any]) -> None:
     need(low < full, "I17 isn't above I16")
     need(full + _AHEAD <= words // (len(robot["axes"]) + 2), "the buffer can't hold I17 lines")
     need(words >= robot["rotary_words"], "the buffer is smaller than the robot's is to be")
+    need(words <= _MOST_WORDS, "the buffer is larger than a controller's memory")
     barriers = [item.line for item in text.course if item.kind == "barrier"]
-    lines = [line for run in runs for line in run.lines]
+    lines, armed_lines = [line for run in runs for line in run.lines], [line for line, _ in text.arms]
     for begin, end in pairwise([0, *barriers, 1 << 62]):
         moves = lines[bisect(lines, begin) : bisect(lines, end)]
-        arms = [arm for arm in text.arms if begin <= arm[0] < end]
+        arms = text.arms[bisect_left(armed_lines, begin) : bisect_left(armed_lines, end)]
         if len(moves) <= full + _AHEAD:
             need(not arms, f"a stretch of {len(moves)} moves arms or disarms the guard")
             continue
@@ -334,8 +350,9 @@ def check_variables(text: Text, robot: dict[str, Any], outputs: list[str]) -> No
     puts = [
         what for item in text.course for _, what in (*item.puts, (0, item.what if item.kind == "put" else ""))
     ]
+    known = set(outputs)
     for put in [*filter(None, puts), *text.safe]:
-        need(put.partition("=")[0] in outputs, f"{put}: no output of the program")
+        need(put.partition("=")[0] in known, f"{put}: no output of the program")
     need(len({put.partition("=")[0] for put in text.safe}) == len(text.safe), "an output has two safe values")
     asked = [name for what, _, _ in text.barriers.values() for name in _NAMED.findall(what.split()[2])]
     for name in [*asked, *outputs]:
@@ -344,7 +361,7 @@ def check_variables(text: Text, robot: dict[str, Any], outputs: list[str]) -> No
     for what, _, kind in text.barriers.values():
         into, assigns, _ = what.split()[2].partition(":=")
         if kind == "set" and assigns and not into.startswith("$"):
-            need(set(into.split(",")) <= set(outputs), f"{into}: no output of the program")
+            need(set(into.split(",")) <= known, f"{into}: no output of the program")
 
 
 def check_start(text: Text, robot: dict[str, Any], start: list[Fraction]) -> None:

@@ -2,10 +2,11 @@
 
 A fixed-point integer x stands for x / 2**128. Each product and quotient of fixed-point numbers is off by less
 than one unit, a sine or cosine by less than 2**10 units. Consider a chain of at most 16 joints, with steps no
-longer than 64 m, turns below 1024 rad and rates below 1024 per s (`arm.py` refuses others). It multiplies
-errors by at most 4 per joint, adds them up over at most 32 steps, and multiplies them once by a length and
-once by a rate. This gives 2**(10 + 32 + 5 + 6 + 10) units, less than 2**-60 for any computed pose or
-velocity. `SLACK`, 2**-44 or 6e-14 (m, rad), is added to every bound that is compared.
+longer than 64 m, angles below 1024 rad and rates below 1024 per s (`arm.py` refuses others). Its kinematics
+multiply errors by at most 4 per joint, add them up over at most 32 steps, and multiply them once by a length
+and once by a rate. This gives 2**(10 + 32 + 5 + 6 + 10) units, with the exponents of the sine, of 4 per
+joint, of the steps, of the length and of the rate: less than 2**-60 for any computed pose or velocity.
+`SLACK`, 2**-44 or 6e-14 (m, rad), is added to every bound that is compared.
 """
 
 from fractions import Fraction
@@ -36,7 +37,7 @@ def unknown(told: dict[str, Any], names: str) -> str:
 
 
 def whole(number: Any, most: int = 1 << 62) -> int:
-    """Return a number of the proof that must be an integer from -`most` to `most`."""
+    """Return a number of the proof as int. It must be an integer from -`most` to `most`."""
     need(isinstance(number, Fraction) and number.denominator == 1 and abs(number) <= most, "no integer")
     return int(number)
 
@@ -79,7 +80,7 @@ def _arctan_of_one_over(number: int, bits: int) -> int:
 
 
 PI = (16 * _arctan_of_one_over(5, 256) - 4 * _arctan_of_one_over(239, 256)) >> (256 - BITS)
-"""Pi in fixed-point, by Machin's formula with 256 bits; rounding costs less than 16 of these units."""
+"""Pi in fixed-point, by Machin's formula with 256 bits. The error is below 16 fixed-point units."""
 
 
 def sine_and_cosine(angle: int) -> tuple[int, int]:

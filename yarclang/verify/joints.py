@@ -1,7 +1,7 @@
 """Paths in joint space: straight lines, natural cubic splines, and timetables.
 
-All are polynomials from one point to the next, over a parameter from 0 to 1, which is a share of length or of
-time.
+All are polynomials from one point to the next. Their parameter from 0 to 1 is a share of the path's length,
+or of its duration.
 """
 
 from bisect import bisect, bisect_left
@@ -17,16 +17,16 @@ from yarclang.verify.exact import BITS, ONE, fixed, length, need
 from yarclang.verify.paths import Motion, State
 
 _NEAREST = ONE >> 13
-"""Least distance of neighbouring way-points of a spline, about 1e-4 rad or m.
+"""Least distance of neighbouring waypoints of a spline, about 1e-4 rad or m.
 
-With less, rounding would matter.
+Between nearer waypoints, rounding errors would be too large.
 """
 _EQUAL = ONE // 10**9
 
 
 class Joints:
-    """The joints of the arm during a motion, each as a group of one number. On a segment they are cubics, so
-    their fourth derivatives are 0.
+    """The joints of the arm during a motion. Each joint is a group (see `State`) of one number. On a segment
+    the joints move by cubics, so their fourth derivatives are 0.
     """
 
     def __init__(self, motion: Motion) -> None:
@@ -76,9 +76,9 @@ class Pieces:
 
     def bends(self, share: tuple[int, int]) -> Sequence[Sequence[int]]:
         """Return bounds of the path's derivatives of order 2 to 4 over its parameter, and of the jumps of the
-        third.
+        third derivative.
 
-        The Hermite cubic misses a jump of a function's third derivative by at most d^3 / 192 times the jump.
+        If a function's third derivative jumps, its Hermite cubic is off by at most d^3 / 192 times the jump.
         """
         first = min(bisect(self.edges, share[0]), len(self.points)) - 1
         return self._bounds(first, max(bisect_left(self.edges, share[1]), first + 1))
@@ -111,11 +111,11 @@ def smooth(y: Sequence[Vector], steps: list[int], clamped: bool = False) -> Piec
     """Return the cubic spline through points. The parameter grows from one point to the next by given steps.
 
     The spline is natural, so that its second derivatives at both ends are 0, or clamped, so that its first
-    ones are.
+    derivatives are.
     """
-    need(len(steps) > 0, "a spline has one way-point only")
+    need(len(steps) > 0, "a spline has one waypoint only")
     near = min(steps) <= (_NEAREST if len(steps) > 1 else 0)
-    need(not near, "way-points of a spline are too near to each other for this checker")
+    need(not near, "waypoints of a spline are too near to each other for this checker")
     columns = []
     for column in zip(*y, strict=True):
         slopes = [((b - a) << BITS) // step for (a, b), step in zip(pairwise(column), steps, strict=True)]
@@ -130,7 +130,9 @@ def smooth(y: Sequence[Vector], steps: list[int], clamped: bool = False) -> Piec
 
 
 def _bend(h: list[int], slope: list[int]) -> list[int]:
-    """Solve h M + 2 (h + h') M' + h' M'' = 6 (slope' - slope), M = 0 at both ends (Thomas algorithm)."""
+    """Solve the equations of a natural cubic spline for its second derivatives M (Thomas algorithm):
+    h M + 2 (h + h') M' + h' M'' = 6 (slope' - slope), with M = 0 at both ends.
+    """
     above, right, found = [0], [0], [0] * (len(h) + 1)
     for k in range(1, len(h)):
         pivot = 2 * (h[k - 1] + h[k]) - (h[k - 1] * above[-1] >> BITS)

@@ -3,8 +3,8 @@
 Let c0 to c3 be the control points of a segment of T seconds, and D1, D2, D3 their differences. The jerk is
 (D3 - 2 D2 + D1) / T^3. The acceleration is linear from (D2 - D1) / T^2 to (D3 - D2) / T^2. The velocity is
 the parabola with the Bezier points (D1 + D2) / 2T, D2 / T, (D2 + D3) / 2T. The position is the cubic with the
-Bezier points (c0 + 4 c1 + c2) / 6, (2 c1 + c2) / 3, (c1 + 2 c2) / 3, (c1 + 4 c2 + c3) / 6. Each lies within
-the hull of its Bezier points.
+Bezier points (c0 + 4 c1 + c2) / 6, (2 c1 + c2) / 3, (c1 + 2 c2) / 3, (c1 + 4 c2 + c3) / 6. Each polynomial
+lies within the hull of its Bezier points.
 """
 
 from collections.abc import Sequence
@@ -17,7 +17,7 @@ from yarclang.verify.exact import need
 from yarclang.verify.reader import PRINTED
 
 _ROUNDED = 1 + Fraction(1, 10**9)
-"""Allowed excess of a limit, since numbers of a text are rounded; the travel has 1e-9 deg or mm instead."""
+"""Allowed excess of a limit, since numbers of a text are rounded. For ranges it is 1e-9 deg or mm instead."""
 _HALVINGS = 12
 
 Shares = dict[str, Fraction]
@@ -43,7 +43,7 @@ def check_limits(rows: Sequence[Moved], robot: dict[str, Any]) -> Shares:
 
 
 def _beside(rows: Sequence[Moved], number: int, way: int) -> bool:
-    """Return True if the next command with moves, forwards or backwards, has no jerk limit."""
+    """Return True if the next command with moves, in direction `way` (1 or -1), has no jerk limit."""
     number += way
     while not rows[number].control:
         number += way
@@ -55,7 +55,7 @@ def _check_row(row: Moved, judged: range, robot: dict[str, Any], shares: Shares)
     for joint, name in enumerate(robot["joints"]):
         c = [point[joint] for point in control]
         _check_travel(c, robot["lower"][joint], robot["upper"][joint], f"{row.entry.title}: {name}")
-        # D1 to D3 of every segment, their differences, and the differences of these.
+        # Compute D1 to D3 of every segment, their differences, and the differences of these.
         steps = [b - a for a, b in pairwise(c)]
         bends = [b - a for a, b in pairwise(steps)]
         jerks = [bends[k - row.first + 1] - bends[k - row.first] for k in judged]
@@ -87,7 +87,7 @@ def _fastest(steps: Sequence[Any]) -> Fraction:
         peak = max(abs(begin), abs(end))
         if (
             abs(middle) > peak
-        ):  # then the parabola turns between its ends, where (b0 b2 - b1^2) / (b0 - 2 b1 + b2)
+        ):  # then the parabola has an extreme between its ends: (b0 b2 - b1^2) / (b0 - 2 b1 + b2)
             peak = max(peak, abs((begin * end - middle * middle) / (begin - 2 * middle + end)))
         most = max(most, peak)
     return most
@@ -104,7 +104,7 @@ def _check_travel(c: Sequence[int], lower: Fraction | None, upper: Fraction | No
     if inside(c):
         return
     for a, b, e, f in zip(c, c[1:], c[2:], c[3:], strict=False):
-        # Bezier points of the segment's cubic.
+        # These are the Bezier points of the segment's cubic.
         pieces: list[tuple[Fraction, ...]] = [
             (
                 Fraction(a + 4 * b + e, 6),

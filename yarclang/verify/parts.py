@@ -1,11 +1,11 @@
 """Check that workpieces and tools stay where they are while the arm takes and leaves them.
 
-The proof describes a workpiece as bodies of one name: on the ground, on the arm, on the ground again, each
-with the commands during which it is there. A tool may have several bodies. After a branch, a workpiece has a
-body at each place where it may be. Each motion is compared with each motion that may follow it, on any branch
-of the controller text. Either a body is present in both, or the arm takes or leaves it: the robot is at rest,
-an output is set, and a body of the next motion has the same place and shape. That machines or people bring or
-remove a workpiece is taken from the proof unchecked, like everything else about the cell.
+The proof describes a workpiece as several bodies of one name: on the ground, on the arm, on the ground again.
+Each body states the commands during which it is present. A tool may have several bodies at once. After a
+branch, a workpiece has a body at each place where it may be. Each motion is compared with each motion that
+may follow it, on any branch of the text. A body must be present in both, or the arm must take or leave it:
+the robot is at rest, an output is set, and a body of the next motion has the same place and shape. Where
+machines or people bring or remove workpieces, the proof is believed, as for all data of the cell.
 """
 
 from collections.abc import Iterator, Sequence
@@ -22,10 +22,10 @@ from yarclang.verify.reader import PRINTED
 _SAME = above(Fraction(1, 1_000_000))
 """Largest change of a part's place [m] or axes when it is taken or left."""
 _CORNER = 4 * _SAME
-"""The same for a corner, which the proof rounds to 1e-6 m in each direction, twice."""
+"""Largest change of a corner's place [m]. The proof rounds each coordinate to 1e-6 m, in both bodies."""
 Told = dict[str, Any]
 Ends = set[tuple[int, bool]]
-"""Commands after which a way goes on, each with True if an output has been set since."""
+"""Indices of the last commands on the branches to a place, each with True if an output was set after it."""
 
 
 def check_parts(rows: Sequence[Moved], done: Sequence[str], bodies: Sequence[Told], arm: Arm) -> list[str]:
@@ -118,9 +118,9 @@ def _handed_over(
 
 
 def _apart(one: Told, other: Told, links: Sequence[Frame]) -> int | None:
-    """Return how far the places of two bodies are apart [m]; None if the bodies have different shapes.
+    """Return the distance between the places of two bodies [m]; None if the bodies have different shapes.
 
-    Distances of corners are scaled, to allow for the rounding of the corners.
+    Distances of corners count only a quarter, since the proof rounds corners (see `_CORNER`).
     """
     if any(one[size] != other[size] for size in ("core", "disc", "radius")):
         return None

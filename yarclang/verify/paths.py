@@ -1,13 +1,12 @@
-"""Check the distance of a motion from its programmed path, in the right order along the path, and along all
-of it.
+"""Check that a motion stays near its programmed path, follows it in the right order, and covers all of it.
 
 For any s(t) that grows from 0 to 1, let e(t) be the difference between the robot's place and the path's place
-at s(t). Its length bounds the distance of both paths. The proof gives s and s' at the ends of equal pieces of
-each segment; between them s is the cubic with these values, which grows if its Bezier points do. With e and
-e' at both ends of a piece of d seconds, e stays within the hull of the four Bezier points of its Hermite
-cubic, plus d^4 / 384 times its largest fourth derivative. This is at most the arm's plus the path's
-|P(s)''''| <= F4 s'^4 + 6 F3 s'^2 |s''| + F2 (3 s''^2 + 4 |s' s'''|), with F2 to F4 bounds of the path's
-derivatives over s.
+at s(t). The length of e bounds the distance of both paths. The proof gives s and s' at the ends of equal
+pieces of each segment. Between them s is the cubic with these values, which grows if its Bezier points do.
+With e and e' at both ends of a piece of d seconds, e stays within the hull of the four Bezier points of its
+Hermite cubic, plus d^4 / 384 times its largest fourth derivative. This derivative is at most that of the arm
+plus that of the path, |P(s)''''| <= F4 s'^4 + 6 F3 s'^2 |s''| + F2 (3 s''^2 + 4 |s' s'''|), with F2 to F4
+bounds of the path's derivatives over s.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -36,21 +35,26 @@ from yarclang.verify.exact import (
 from yarclang.verify.reader import PRINTED
 
 SHARE = 10**10
-"""Unit of the proof's s and s': integers stand for multiples of 1e-10, and 1e-10 per s."""
+"""Scale of s and s' in the proof: integers in units of 1e-10, and of 1e-10 per second."""
 GRID = 1 << 20
-"""Unit of a place at which a path is left or joined: 1 / `GRID` of a segment."""
+"""Number of steps of a segment: the proof states where blends leave and join paths in these steps."""
 _SAME = ONE >> 30
-"""Largest error of a turn's goal: 1e-9 rad."""
+"""Largest error of a rotation at the end of its path: 1e-9 rad."""
 _ROUND = ONE >> 42
-"""Largest error of an arc's points and roundness: 2e-13 m, which makes less than 1e-9 m anywhere."""
+"""Largest error of an arc's points and roundness: 2e-13 m. The arc is then off by less than 1e-9 m."""
+STILL = ONE // 10**6
+"""Lengths and angles below this are regarded as rounding errors [m or rad]."""
 _OPEN = ONE >> 8
-"""What an arc lacks of a full turn at least [rad]. With less, start, via point and goal define no plane."""
+"""Least angle by which an arc is shorter than a full turn [rad].
+
+Closer to a full turn, start, via point and goal define no plane.
+"""
 
 
 State = list[tuple[Vector, Vector]]
-"""Groups of quantities with their rates: a frame's origin, and the columns of its rotation; or each joint.
+"""Groups of numbers with their rates: a frame's origin and the columns of its rotation, or each joint.
 
-Each group has a bound of its distance from the path.
+Each group has its own bound of the distance from the path.
 """
 
 
@@ -125,7 +129,7 @@ class Motion:
 
     @property
     def travel(self) -> list[int]:
-        """Largest |q| of each joint in the sequence."""
+        """Largest distance of each joint from its zero position in the sequence."""
         most = (max(map(abs, column)) for column in zip(*self.row.control, strict=True))
         return [in_si(far, PRINTED, turns) for far, turns in zip(most, self.arm.turns, strict=True)]
 
@@ -148,7 +152,7 @@ def _si_above(number: int, time: Fraction, divisor: int, turns: bool) -> int:
 
 
 def cut(begin: Fraction, end: Fraction, pieces: int) -> list[Fraction]:
-    """Return the ends of the pieces of time from one place to another: `pieces` in each segment."""
+    """Cut each segment between two places into `pieces` equal pieces; return the places of the cuts."""
     need(1 <= pieces <= 64, "a segment has 1 to 64 pieces")
     if begin == end:
         return [end]
@@ -162,14 +166,14 @@ def pieces_of(motion: Motion, proof: dict[str, Any]) -> Iterator[Piece]:
     s that decreases or leaves [0, 1].
     """
     shares, rates = proof["s"], proof["rates"]
-    places = cut(*span_of(motion, proof), whole(proof["pieces"]))
-    need(
-        len(shares) == len(rates) == len(places), "the proof has another number of places than pieces and one"
-    )
+    (begin, end), pieces = span_of(motion, proof), whole(proof["pieces"])
+    count = (ceil(end) - floor(begin)) * pieces + 1 if begin < end else 1
+    need(len(shares) == len(rates) == count, "the proof has another number of places than pieces and one")
+    places = cut(begin, end, pieces)
     need(shares[0] >= 0 and shares[-1] <= SHARE, "s leads beyond an end of the path")
     for k, (begin, end) in enumerate(pairwise(places)):
         d = motion.row.seconds * (end - begin)
-        # Bezier points of s on the piece: s never decreases if they do not.
+        # Bezier points of s on the piece: s never decreases if the points don't.
         points = [
             Fraction(shares[k]),
             shares[k] + rates[k] * d / 3,
@@ -189,7 +193,7 @@ def pieces_of(motion: Motion, proof: dict[str, Any]) -> Iterator[Piece]:
 
 
 def span_of(motion: Motion, proof: dict[str, Any]) -> tuple[Fraction, Fraction]:
-    """Return the places between which a motion follows its path, as the proof may give them."""
+    """Return the places between which a motion follows its path: by default, the motion's ends."""
     begin, end = motion.begin, motion.end
     if "from" in proof:
         begin, end = (Fraction(whole(proof[name]), GRID) for name in ("from", "until"))
@@ -198,9 +202,7 @@ def span_of(motion: Motion, proof: dict[str, Any]) -> tuple[Fraction, Fraction]:
 
 
 def path_bend(derivatives: Sequence[int], bends: tuple[int, int, int]) -> int:
-    """Return a bound of |P(s(t))''''|, from bounds of the path P's derivatives over s, and of |s'| to
-    |s'''|.
-    """
+    """Return a bound of |P(s(t))''''|, from bounds of P's derivatives over s, and of |s'| to |s'''|."""
     second, third, last = derivatives
     w, a, j = bends
     square = times(w, w)
@@ -212,8 +214,8 @@ def path_bend(derivatives: Sequence[int], bends: tuple[int, int, int]) -> int:
 
 
 def farthest(e: Sequence[int], e_rate: Sequence[int], f: Sequence[int], f_rate: Sequence[int], d: int) -> int:
-    """Return the largest distance from 0 of the Bezier points of the cubic with these values and rates at its
-    ends, which bounds the cubic.
+    """Return a bound of the length of a vector that is a cubic over d seconds, from its values e, f and its
+    rates at both ends: the largest distance of the cubic's Bezier points from 0.
     """
     inner = [x + (d * v >> BITS) // 3 for x, v in zip(e, e_rate, strict=True)]
     outer = [x - (d * v >> BITS) // 3 for x, v in zip(f, f_rate, strict=True)]
@@ -223,8 +225,8 @@ def farthest(e: Sequence[int], e_rate: Sequence[int], f: Sequence[int], f_rate: 
 class Curve:
     """The curve middle + s way + cos(s angle) spoke + sin(s angle) side, for s from 0 to 1.
 
-    It is a line or an arc of a point, or the columns of a rotation about a fixed axis. `bends` are bounds of
-    its derivatives over s of order 2 to 4, and of the jumps of the third.
+    A point moves along it on a line or an arc, or a column of a matrix that rotates. `bends` are bounds of
+    its derivatives over s of order 2 to 4, and of the jumps of the third derivative.
     """
 
     def __init__(self, middle: Vector, way: Vector, spoke: Vector, side: Vector, angle: int) -> None:
@@ -266,8 +268,8 @@ def arc(start: Vector, goal: Vector, told: dict[str, Any], via: Vector) -> Curve
 
 
 def turn(start: list[Vector], goal: list[Vector], axis: Vector, angle: int) -> Curve:
-    """Return a frame's rotation about a fixed axis as a curve, by at most half a turn: the columns of R + sin
-    K R + (1 - cos) K^2 R.
+    """Return a frame's rotation by at most half a turn about a fixed axis, as the curve of the columns of R +
+    sin K R + (1 - cos) K^2 R, with K the cross-product matrix of the axis, and R the rotation at the start.
     """
     need(abs(dot(axis, axis) - ONE) < _SAME and 0 <= angle <= PI + _SAME, "a turn without an axis")
     once = [cross(axis, column) for column in start]
@@ -281,11 +283,17 @@ def turn(start: list[Vector], goal: list[Vector], axis: Vector, angle: int) -> C
 class FramePath:
     """A programmed path of a frame: a line or an arc of the frame's origin, with the frame's rotation.
 
+    `group` is 0 if the programmed speed is that of the origin, and 1 if it is the angular speed of a frame
+    whose origin doesn't move. It is None for a path that leads nowhere, which has no speed.
+
     The chord between two rotations is the Frobenius norm of their difference, 2 sqrt 2 sin(angle / 2).
     """
 
     def __init__(self, start: Step, told: dict[str, Any], proof: dict[str, Any]) -> None:
         self.goal = placed(told["pose"])
+        off = length(*(b - a for a, b in zip(start[1], self.goal[1], strict=True)))
+        turns = fixed(proof["angle"]) >= STILL
+        self.group = (1 if turns else None) if told["move"] == "line" and off < STILL else 0
         self.turn = turn(start[0], self.goal[0], [fixed(one) for one in proof["axis"]], fixed(proof["angle"]))
         if told["move"] == "arc":
             self.origin = arc(start[1], self.goal[1], proof, [fixed(x) for x in told["via"]])
@@ -297,7 +305,7 @@ class FramePath:
         return [self.origin.at(s), self.turn.at(s)]
 
     def bends(self, _: tuple[int, int]) -> Sequence[Sequence[int]]:
-        """Return bounds of the derivatives over s of order 2 to 4, and of the jumps of the third."""
+        """Return bounds of the derivatives over s of order 2 to 4, and of the third derivative's jumps."""
         return [self.origin.bends, self.turn.bends]
 
 
@@ -322,14 +330,14 @@ class Frames:
 
 
 def distances(what: Any, path: Any, pieces: Iterable[Piece], here: State) -> Iterator[Distance]:
-    """Yield for each time interval a bound of the distance of each group (such as the frame's origin) from
-    its path.
+    """Yield bounds of the distances of all groups (such as the frame's origin) from their paths, for each
+    time interval.
 
     Args:
         what: what moves: `Frames` or `Joints`.
         path: the path.
         pieces: consecutive time intervals.
-        here: state of `what` at the begin of the first interval.
+        here: state of `what` at the start of the first interval.
     """
     segment, bends = -1, list[int]()
     for piece in pieces:
@@ -362,55 +370,34 @@ def error(state: State, path: State, rate: int) -> State:
     ]
 
 
-def speeds_on(found: Distance) -> tuple[int, int]:
-    """Return a lower and an upper bound of the speed of a frame's origin in a time interval of duration d.
+def speeds_on(found: Distance, group: int) -> tuple[int, int, int]:
+    """Return bounds of a frame's speed in a time interval of d seconds: of the least speed, of the largest
+    one, and of the larger one of the speeds at both ends.
 
-    Let v and w be the velocities at the interval's ends. The cubic polynomial that has the origin's positions
-    and velocities at both ends (the Hermite cubic) has a parabola as its velocity, with the Bezier points v,
-    m, w. The squared length of the parabola lies between the least and the largest of its own Bezier
+    Let v and w be the velocities at the interval's ends. The cubic polynomial that has the positions and
+    velocities at both ends (the Hermite cubic) has a parabola as its velocity, with the Bezier points v, m,
+    w. The squared length of the parabola lies between the least and the largest of its own Bezier
     coefficients. The true velocity differs from the parabola by at most sqrt(3) / 216 d^3 times the largest
-    fourth derivative of the position; both bounds allow for this.
+    fourth derivative; both bounds allow for this.
+
+    Args:
+        found: the states at both ends.
+        group: 0 for the origin [m/s], 1 for the rotation [rad/s], whose angular speed is 1 / sqrt 2 of the
+            rotation matrix's rate.
     """
-    (begin, v), (end, w), d = found.here[0], found.then[0], above(found.piece.d)
+    (begin, v), (end, w), d = found.here[group], found.then[group], above(found.piece.d)
     m = [(3 * (b - a) << BITS) // d - x - y for a, b, x, y in zip(begin, end, v, w, strict=True)]
-    squares = (dot(v, v), dot(v, m), (dot(v, w) + 2 * dot(m, m)) // 3, dot(m, w), dot(w, w))
-    rest = times(d, d, d, found.bends[0]) * 9 // 1000 + SLACK  # sqrt(3) / 216 = 0.0080
-    return max(isqrt(max(min(squares), 0) << BITS) - rest, 0), root(max(squares)) + rest
-
-
-def check_speeds(
-    told: dict[str, Any],
-    speeds: Sequence[tuple[int, int]],
-    title: str,
-    held: tuple[bool, bool] = (False, False),
-) -> str:
-    """Check that a frame stays below its speed ceiling, and keeps its programmed speed within 0.1 % between
-    the ramps of acceleration; return what is not checked.
-
-    If `held` is True for the motion's start, or end, the speed is kept there too, without a ramp.
-    """
-    off = Fraction(1, 1000)
-    least, most = min(low for low, _ in speeds), max(high for _, high in speeds)
-    if "ceiling" in told:
-        need(most <= fixed(told["ceiling"] / 1000 * (1 + off)), f"{title}: faster than its ceiling")
-    if "speed" not in told:
-        return ""
-    top, kept = told["speed"][0], told.get("kept", Fraction(1))
-    need(0 < kept <= 1, f"{title}: a share of a speed beyond 1")
-    if top is None:
-        return "its speed, which is a turn's"
-    need(most <= fixed(top / 1000 * (1 + off)), f"{title}: faster than its speed")
-    slow = above(top * kept / 1000 * (1 - off))
-    steady = [k for k, (low, _) in enumerate(speeds) if low >= slow]
-    if not steady:
-        return "its speed, which it keeps on no whole piece, as a turn does"
-    begin, end = 0 if held[0] else steady[0], len(speeds) if held[1] else steady[-1] + 1
-    least = min(low for low, _ in speeds[begin:end])
-    need(least >= slow, f"{title}: slower than its speed between its ramps")
-    return ""
+    vv, vm, vw, mm, mw, ww = (
+        sum(a * b for a, b in zip(x, y, strict=True)) >> BITS + group
+        for x, y in ((v, v), (v, m), (v, w), (m, m), (m, w), (w, w))
+    )
+    squares = (vv, vm, (vw + 2 * mm) // 3, mw, ww)
+    rest = times(d, d, d, found.bends[group]) * 9 // 1000 + SLACK  # Hermite cubics: sqrt(3)/216 < 9/1000
+    least = max(isqrt(max(min(squares), 0) << BITS) - rest, 0)
+    return least, root(max(squares)) + rest, isqrt(max(vv, ww) << BITS) - SLACK
 
 
 def chord_of(angle: int) -> int:
-    """Return a lower bound of the chord of a turn by an angle (see `FramePath`): 2 sqrt 2 sin(angle / 2)."""
+    """Return a lower bound of the chord of a rotation (see `FramePath`): 2 sqrt 2 sin(angle / 2)."""
     sine, _ = sine_and_cosine(min(angle, PI) // 2)
     return 2 * (sine * 14142 // 10000) - SLACK

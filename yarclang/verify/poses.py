@@ -1,9 +1,9 @@
 """The curve of a frame through poses: natural splines of its origin and of a quaternion, which is normalised.
 
 The rotation is R = M / n, with M and n of degree 2 in the quaternion Q: n = |Q|^2, and the Frobenius norm of
-M is sqrt 3 n. From bounds of Q and its derivatives follow those of n, N_k, and of M, sqrt 3 N_k. By Leibniz'
-rule for R n = M, the k-th derivative of R is at most G_k = (sqrt 3 N_k + the sum over j < k of
-comb(k, j) G_j N_(k-j)) / n.
+M is sqrt 3 n. Bounds of Q and its derivatives give bounds N_k of the derivatives of n, and sqrt 3 N_k of
+those of M. By Leibniz' rule for R n = M, the k-th derivative of R is at most G_k = (sqrt 3 N_k + the sum over
+j < k of comb(k, j) G_j N_(k-j)) / n.
 """
 
 from collections.abc import Sequence
@@ -15,13 +15,13 @@ from typing import Any
 from yarclang.verify.arm import Step, Vector, placed
 from yarclang.verify.exact import BITS, ONE, PI, SLACK, above, fixed, length, need, sine_and_cosine, times
 from yarclang.verify.joints import smooth
-from yarclang.verify.paths import State
+from yarclang.verify.paths import STILL, State
 
 _SAME = ONE >> 30
-"""Largest error of a quaternion's rotation, and of a turn: 1e-9."""
+"""Largest allowed error of a quaternion's rotation and length, and of the chord of a stated angle: 1e-9."""
 _ROOT_OF_3 = above(Fraction(17321, 10000))
 _CHORD = 10
-"""Beside the way, the parameter grows by 1 / `_CHORD` m for each radian of a turn."""
+"""Weight of rotations in the spline's parameter: a radian counts as 1 / `_CHORD` m."""
 
 
 class PoseSpline:
@@ -35,10 +35,13 @@ class PoseSpline:
             pairs = zip(_matrix(q, q), chain(*axes), strict=True)
             off = max(length(*(a - b for a, b in pairs)), abs(length(*q) - ONE))
             need(len(q) == 4 and off < _SAME, "a quaternion that isn't a pose's")
+        places = [origin for _, origin in poses]
+        apart = [length(*(b - a for a, b in zip(one, places[0], strict=True))) for one in places]
+        self.group = int(max(apart) < STILL)
         steps = []
         each = zip(pairwise(poses), pairwise(quaternions), proof["turns"], strict=True)
         for ((_, here), (_, then)), (a, b), told_turn in each:
-            # A turn is twice the angle between quaternions, and the chord of that angle is 2 sin(turn / 4).
+            # A rotation has twice the angle between its quaternions, whose chord is 2 sin(turn / 4).
             turn, chord = fixed(told_turn), length(*(y - x for x, y in zip(a, b, strict=True)))
             need(0 <= turn < PI - _SAME, "a spline of poses with half a turn between neighbours")
             need(abs(chord - 2 * sine_and_cosine(turn // 4)[0]) < _SAME, "another turn between two poses")
@@ -60,7 +63,7 @@ class PoseSpline:
         return [(place[:3], way[:3]), (columns, slopes)]
 
     def bends(self, share: tuple[int, int]) -> Sequence[Sequence[int]]:
-        """Return bounds of the derivatives over s of order 2 to 4, and of the jumps of the third."""
+        """Return bounds of the derivatives over s of order 2 to 4, and of the third derivative's jumps."""
         orders, jump = list(zip(*self._spline.bends(share), strict=True)), 3
         (second, third, fourth), steep = self._rotation(share)
         return [
@@ -69,7 +72,7 @@ class PoseSpline:
         ]
 
     def _rotation(self, share: tuple[int, int]) -> tuple[list[int], int]:
-        """Return bounds of the rotation's derivatives over s of order 2 to 4, and of that over Q."""
+        """Return bounds of the rotation's derivatives 2 to 4 over s, and of its derivative over Q."""
         low, high = share
         found, bends = self._spline.at(low)[3:], self._spline.bends(share)[3:]
         second, third = (length(*(bend[k] for bend in bends)) for k in (0, 1))
@@ -89,7 +92,7 @@ class PoseSpline:
 
 
 def _matrix(a: Vector, b: Vector) -> Vector:
-    """Return the columns of the symmetric bilinear form that for a = b = q is |q|^2 times q's rotation."""
+    """Return the columns of the symmetric bilinear form M with M(q, q) = |q|^2 times the rotation of q."""
 
     def both(i: int, j: int) -> int:
         return (a[i] * b[j] + a[j] * b[i]) >> BITS

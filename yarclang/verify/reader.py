@@ -12,8 +12,10 @@ from yarclang.verify.exact import RefusedError
 PRINTED = 10**12
 """Positions are integers in units of 1e-12 deg or mm, which represent the decimals of a text exactly."""
 STEPS = 4096
-"""Steps of segment times in 1 ms, as the controller represents them."""
+"""Steps per millisecond in which the controller represents segment times."""
 
+_LONGEST_DWELL = 8_388_607
+"""Longest DWELL of the controller [ms]."""
 _HASH = "([0-9a-f]{64})"
 _HEADER = (
     r"; yarcc (\S{1,40}): .*",
@@ -33,7 +35,7 @@ _HEADER = (
 _OPTIONAL = (r"; longest .*", r"; ways round: .*")
 _ENTRY = (
     r"; command ([0-9]{1,9}) (\S+) (\S+) ([0-9]{1,9}) "
-    r"(?:([0-9]{1,9}) ([0-9]{1,9})(?: blend ([0-9]{1,6}))?( any-jerk)?|- -)"
+    r"(?:([1-9][0-9]{0,8}) ([1-9][0-9]{0,8})(?: blend ([0-9]{1,6}))?( any-jerk)?|- -)"
 )
 _BARRIER = (
     r"; barrier ([0-9]{1,9}) ((wait|hold|when|else|end|set|stop|abort|say|loop|next|exit|endloop) "
@@ -48,8 +50,8 @@ _NUMBER = r"(-?[0-9]{1,7}(?:\.[0-9]{1,12})?)"
 class Entry:
     """A command of the program, as listed in the comments of the controller text (the map).
 
-    The entry has the number of the command's move lines (0: none), the number of segments of its blend, and
-    whether it has a jerk limit.
+    `first` and `last` are the lines of its first and last move (0: it has none), and `blend` is the number of
+    segments of its blend into the next command. `any_jerk` is True if it has no jerk limit.
     """
 
     step: int
@@ -69,11 +71,11 @@ class Item:
         line: number of the line.
         what: for a barrier its line of the map (the listed commands), for a dwell its printed time [ms], for
             a put VARIABLE=VALUE.
-        step: for a barrier, its step.
+        step: for a barrier, the index of its command.
         steps: for a run, the segment time [1/4096 ms].
         points: for a run, its points.
-        lines: for a run, the lines of the points.
-        puts: for a run, the outputs between the points (line, what).
+        lines: for a run, the numbers of the lines with its points.
+        puts: for a run, the outputs that are set between its points, each as line number and text.
     """
 
     kind: str
@@ -116,7 +118,7 @@ def exactly(printed: str, scale: int = PRINTED) -> int:
 
 
 class _Reading:
-    """The lines of a controller text that is read, and the number of the next line."""
+    """The lines of a controller text, and the number of the next line to be read."""
 
     def __init__(self, text: str, axes: list[str]) -> None:
         if re.search(r"[^\n\x20-\x7e]", text) or not text.endswith("\n"):
@@ -146,7 +148,7 @@ class _Reading:
         return line
 
     def match(self, form: str) -> re.Match[str]:
-        """Take the next line, and refuse the text if the line doesn't have a form."""
+        """Take the next line, and refuse the text if the line doesn't match `form` (a regular expression)."""
         found = re.fullmatch(form, self.take())
         if found is None:
             self.refuse(f"another line belongs here ({form[:40]})")
@@ -232,6 +234,7 @@ def _read_course(
     arms: list[tuple[int, bool]] = []
     waiting = dict(barriers)
     run: Item | None = None
+    puts = False  # True between an output that is set with a move, and this move
     while True:
         line = reading.at + 1
         point = reading.point()
@@ -240,18 +243,17 @@ def _read_course(
                 reading.refuse("a move before the first TM")
             run.points.append(point)
             run.lines.append(line)
+            puts = False
             continue
         content = reading.take()
+        if puts and not re.match(r"P8100=[01]$|M[0-9]{1,4}==", content):
+            reading.refuse("no move follows an output that is set with one")
         is_put = re.fullmatch(rf"[MPQ][0-9]{{1,4}}={_VALUE}", content)
         if found := re.fullmatch("P8100=([01])", content):
             arms.append((line, found[1] == "1"))
         elif run is not None and run.points and re.fullmatch(rf"M[0-9]{{1,4}}=={_VALUE}", content):
-            ahead = reading.at
-            while re.fullmatch(r"P8100=[01]|M[0-9]{1,4}==.*", reading.lines[ahead]):
-                ahead += 1
-            if not reading.move.fullmatch(reading.lines[ahead]):
-                reading.refuse("no move follows an output that is set with one")
             run.puts.append((line, content.replace("==", "=")))
+            puts = True
         elif found := re.fullmatch(r"TM([0-9]{1,4}(?:\.[0-9]{1,12})?)", content):
             steps = exactly(found[1]) * STEPS
             if steps % PRINTED or not 0 < steps < 4096 * STEPS * PRINTED:
@@ -272,7 +274,9 @@ def _read_course(
             course.append(Item("barrier", line, what, step))
         elif found := re.fullmatch(r"DWELL([0-9]{1,7}(?:\.[0-9]{1,9})?)", content):
             run = None
-            course.append(Item("dwell", line, found[1]))
+            if exactly(found[1]) > _LONGEST_DWELL * PRINTED:
+                reading.refuse("a dwell that is longer than the controller takes")
+            course.append(Item("dwell", line, found[1] if exactly(found[1]) else "0"))
         elif content == "RAPID":
             run = None
             reading.expect("ABS")

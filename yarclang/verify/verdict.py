@@ -6,6 +6,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from itertools import chain
 from typing import Any, NoReturn
 from urllib.parse import unquote
 
@@ -30,9 +31,11 @@ _OF_STEP = "title move tolerance duration speed kept ceiling any_jerk blend unch
 _OF_JOINTS = "through tool tolerance_of"
 _OF_MOVE = {"line": "pose tool", "arc": "pose tool via", "joint": _OF_JOINTS, "spline": _OF_JOINTS}
 _OF_MOVE |= {"timetable": "rows within", "spline of poses": "pose tool poses"}
-_OF_GOAL = "q pose tool at v a"
+_OF_GOALS = {"through": "q pose tool", "rows": "q at v a"}
+_NAME = r"(?!(True|False|None)$)[A-Za-z_{][\w.{}=-]*"
+"""A string that is printed without quotes: one word. Words after a space could look like other fields."""
 FORM = 4
-"""The form of proofs that this checker reads."""
+"""Version of the proof format that this checker reads."""
 ALWAYS_UNCHECKED = (
     "torques",
     "that program, cell and robot's numbers, as told here, are those of the source and of the files",
@@ -58,12 +61,14 @@ class Verdict:
         refused: reason why the controller text or its proof is wrong; empty if neither is.
         checked: the properties that were checked.
         unchecked: the properties that were not checked.
+        exempt: exceptions from limits, and paths that are planned only at run time; the text states each.
         told: the proof's description of the robot and the program.
     """
 
     refused: str = ""
     checked: list[str] = field(default_factory=list)
     unchecked: list[str] = field(default_factory=list)
+    exempt: list[str] = field(default_factory=list)
     told: list[str] = field(default_factory=list)
 
 
@@ -145,85 +150,82 @@ def _verify(text: bytes, proof: dict[str, Any], verdict: Verdict) -> None:
     verdict.checked.append(f"joints stay in their ranges; largest shares of limits: {shares}")
     for name in ("start", "outputs", "safe", "registers"):
         verdict.told.append(f"program {name}: {_shown(program[name])}")
-    verdict.told += [f"between motions: {deed}" for deed in done if not deed.startswith("move ")]
+    motion = "the start"
+    for deed in done:
+        if deed.startswith("move "):
+            motion = titles[int(deed.removeprefix("move "))]
+        else:
+            verdict.told.append(f"after {motion}: {deed}")
+    low, full, words = content.marks
+    verdict.told.append(f"guard: I16 {low} lines, I17 {full} lines, a buffer of {words} words")
     _check_motions(rows, program, proof, arm, verdict)
     _list_later(content.registers, verdict)
-    _check_bodies(rows, done, proof, arm, verdict)
-    _list_rules(content.registers, proof["cell"]["bodies"], verdict)
+    _check_bodies(rows, done, proof, arm, content.registers, verdict)
+    _list_allowed(content.registers, proof["cell"]["bodies"], rows, verdict)
     verdict.unchecked += ALWAYS_UNCHECKED
 
 
 def _list_later(lines: list[str], verdict: Verdict) -> None:
     """List what is planned and proved only when the controller text runs."""
-    kinds = [line.split(" ")[1] for line in lines]
+    kinds, later = [line.split(" ")[1] for line in lines], "planned and proved at run time"
     if "search" in kinds:
-        verdict.unchecked.append(
-            "what follows a motion that an input ends: it is planned and proved when it runs"
-        )
+        verdict.exempt.append(f"the path after a motion that an input ends: {later}")
     for line in lines:
         if line.startswith("; watch") and " then " in line:
             name = line.split(" then ")[1].split(" ")[0]
-            verdict.unchecked.append(
-                f"the way on which the robot leaves ({name}): it is planned and proved when it runs"
-            )
+            verdict.exempt.append(f"the path on which the robot leaves ({name}): {later}")
     if "offset" in kinds:
-        verdict.unchecked.append(
-            "what is given in a frame that registers shift: proved here without a shift; where the frame "
-            "is, it is planned and proved when it runs"
-        )
+        verdict.exempt.append(f"paths in frames that registers shift, after the shift: {later}")
 
 
-def _list_rules(lines: list[str], bodies: list[dict[str, Any]], verdict: Verdict) -> None:
-    """List the properties that aren't checked because of the controller text's list of commands (the map):
-    distances of bodies that commands allow to touch, and path constraints (KEEP).
-    """
+def _list_allowed(
+    lines: list[str], bodies: list[dict[str, Any]], rows: list[Moved], verdict: Verdict
+) -> None:
+    """List the pairs of bodies that commands allow to touch, so that their distance isn't checked."""
     known = {name for body in bodies for name in (body["name"].upper(), body["name"].upper().split(" ")[0])}
-    found = dict[tuple[str, ...], list[str]]()
+    found, moving = dict[tuple[str, ...], list[str]](), {row.entry.step for row in rows if row.control}
     for line in lines:
-        _, kind, *words = line.split(" ")
-        if kind in ("allow", "keep"):
-            least = {"allow": 3, "keep": 2}[kind]
-            need(len(words) == least and words[0].isdecimal(), f"{line!r} doesn't name a command and a rule")
-            names = [unquote(word) for word in words[1:]]
-            need(
-                kind == "keep" or known.issuperset(names),
-                f"{line!r} names bodies that the proof doesn't tell of",
-            )
-            found.setdefault((kind, *names), []).append(words[0])
-    for (kind, *names), steps in found.items():
-        commands = f"commands {', '.join(steps)} of the map"
+        _, kind, step, *words = line.split(" ")
         if kind == "allow":
-            pair = f"that {names[0]} and {names[1]} keep apart during {commands}"
-            verdict.unchecked.append(f"{pair}: the program lets them touch")
-        else:
-            verdict.unchecked.append(f"that {commands} keep to {names[0]}")
+            names = tuple(map(unquote, words))
+            need(len(names) == 2 and step.isdecimal(), f"{line!r} doesn't name a command and two bodies")
+            need(int(step) in moving, f"{line!r} is for a command without moves")
+            need(known.issuperset(names), f"{line!r} names bodies that the proof doesn't tell of")
+            found.setdefault(names, []).append(step)
+    for (one, other), steps in found.items():
+        pair = f"{one} and {other} during commands {', '.join(steps)} of the map"
+        verdict.exempt.append(f"{pair}: the program lets them touch")
 
 
 def _check_bodies(
-    rows: list[Moved], done: list[str], proof: dict[str, Any], arm: Arm, verdict: Verdict
+    rows: list[Moved], done: list[str], proof: dict[str, Any], arm: Arm, lines: list[str], verdict: Verdict
 ) -> None:
     """Check that bodies stay apart, and add the results and the data of the bodies to the verdict."""
     cell = proof["cell"]
     need(set(cell) == {"bodies", "exceptions", "zones"}, "the cell has other fields than a cell's")
-    checked, left = check_apart(rows, cell, proof["planes"], arm)
+    checked, left = check_apart(rows, cell, proof["planes"], arm, lines)
     verdict.checked.append(checked)
     verdict.unchecked += left
     bodies = cell["bodies"]
     if any("during" in body for body in bodies):
         verdict.unchecked += check_parts(rows, done, bodies, arm)
         verdict.checked.append("parts stay where they are when the arm takes or leaves them")
-    for body in bodies:
-        numbers = {name: value for name, value in body.items() if name not in ("name", "corners")}
-        for axis, column in zip("xyz", zip(*body.get("corners", []), strict=True), strict=False):
-            numbers[f"corners in {axis}"] = [min(column), max(column)]
-        verdict.told.append(f"body {body['name']} [m]: {_shown(numbers)}")
+    called = [f"{number} {_shown(body['name'])}" for number, body in enumerate(bodies)]
+    for name, body in zip(called, bodies, strict=True):
+        numbers = {field: value for field, value in body.items() if field not in ("name", "corners")}
+        if corners := body.get("corners", []):
+            for axis, column in zip("xyz", zip(*corners, strict=True), strict=False):
+                numbers[f"corners in {axis}"] = [min(column), max(column)]
+            digest = hashlib.sha256(" ".join(map(str, chain(*corners))).encode()).hexdigest()
+            numbers["corners"] = f"{len(corners)} of SHA-256 {digest[:16]}"
+        verdict.told.append(f"body {name} [m]: {_shown(numbers)}")
     for zone in cell["zones"]:
-        watched = [bodies[whole(one)]["name"] for one in zone["watched"]]
-        verdict.told.append(f"zone {_shown({**zone, 'watched': watched})}")
+        watched = ", ".join(called[whole(one)] for one in zone["watched"])
+        verdict.told.append(f"zone {_shown({**zone, 'watched': []})} bodies {watched or 'none'}")
     for one, other, least, first, last in cell["exceptions"]:
         how = "may touch" if least is None else f"stay {float(least) * 1000:.6g} mm apart"
-        names = f"{bodies[whole(one)]['name']} and {bodies[whole(other)]['name']}"
-        verdict.told.append(f"{names} {how} during commands {first} to {last} of the map")
+        names = f"{called[whole(one)]} and {called[whole(other)]}"
+        verdict.told.append(f"{names} {how} during commands {whole(first)} to {whole(last)} of the map")
 
 
 def _check_robot(robot: dict[str, Any], verdict: Verdict) -> None:
@@ -253,6 +255,11 @@ def _check_robot(robot: dict[str, Any], verdict: Verdict) -> None:
 
 
 def _shown(value: Any) -> str:
+    """Return a value of the proof as text. A string is quoted unless it is a name, so that it can't look like
+    other values.
+    """
+    if isinstance(value, str):
+        return value if re.fullmatch(_NAME, value, re.ASCII) else json.dumps(value)
     if isinstance(value, list):
         return f"[{', '.join(map(_shown, value))}]"
     if isinstance(value, dict):
@@ -273,10 +280,10 @@ def _check_motions(
     for row, told in zip(rows, program["steps"], strict=True):
         title = row.entry.title
         _tell(title, told, verdict)
+        need(told.get("any_jerk", False) in (True, False), f"{title}: any_jerk is neither true nor false")
         names = _OF_STEP + _OF_MOVE.get(told["move"], "poses") if "move" in told else "title unchecked"
-        strange = unknown(told, names) or unknown(
-            {name: 0 for goal in (*told.get("through", []), *told.get("rows", [])) for name in goal}, _OF_GOAL
-        )
+        goals = [(goal, fields) for place, fields in _OF_GOALS.items() for goal in told.get(place, [])]
+        strange = unknown(told, names) or ", ".join({unknown(*goal) for goal in goals} - {""})
         known = told.get("move", "line") in _OF_MOVE or told.get("unchecked")
         need(bool(known), f"{title}: a motion of a kind that isn't known")
         if strange:
@@ -286,20 +293,21 @@ def _check_motions(
             if strange:
                 verdict.unchecked.append(f"{title}: {told['unchecked']}")
             continue
+        need(
+            row.entry.blend is None or "blend" in told,
+            f"{title}: it flows into the next motion, and the proof doesn't say so",
+        )
         if row.entry.any_jerk:
-            verdict.unchecked.append(f"{title}: its jerk, and that of its blends, which has no limit")
+            verdict.exempt.append(f"{title}: the jerk, also in its blends: its profile has no limit")
+    steps = {str(row.entry.step) for row in rows if row.control}
+    need(steps.issuperset(proof["motions"]), "the proof is about motions that the text doesn't have")
     widest, alone, still, flowing = [Fraction(0), Fraction(0)], 0, 0, 0
     for links in chains_of(rows, program["steps"]):
         reason, title = why_not(links, proof["motions"]), links[0][0].entry.title
-        if reason and len(links) == 1:
-            for name in ("speed", "ceiling"):
-                if name in links[0][1]:
-                    verdict.unchecked.append(f"{title}: its {name} of {_shown(links[0][1][name])}")
-            verdict.unchecked.append(f"{title}: {reason}")
-        elif reason:
-            titles = f"{title} to {links[-1][0].entry.title}"
-            named = f"{titles}, {len(links)} motions that flow into each other"
-            verdict.unchecked.append(f"{named}: their paths, times and speeds ({reason})")
+        if reason:
+            if len(links) > 1:
+                title += f" to {links[-1][0].entry.title}, {len(links)} motions that flow into each other"
+            verdict.unchecked.append(f"{title}: path, goal, time and speed ({reason})")
         else:
             verdict.unchecked += check_chain(links, proof["motions"], arm)
             if len(links) > 1:
@@ -310,8 +318,8 @@ def _check_motions(
     if alone:
         verdict.checked.append(
             f"{alone} motions from rest to rest ({still} of them lead nowhere) keep the told times, speeds "
-            f"and paths, in order of time and whole, within their tolerances, {float(widest[0]):g} mm and "
-            f"{float(widest[1]):g} deg at most"
+            "and paths, which begin where the robot stands, in order of time and whole, within their "
+            f"tolerances, {float(widest[0]):g} mm and {float(widest[1]):g} deg at most"
         )
     if flowing:
         verdict.checked.append(

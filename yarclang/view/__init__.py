@@ -1,3 +1,3 @@
-"""Show programs and recorded or live runs in three dimensions: the scene as plain data, and its display in a
-browser.
+"""Show programs, recorded runs and running robots in three dimensions: the scene as plain data, and its
+display in a browser.
 """

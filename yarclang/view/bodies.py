@@ -19,14 +19,14 @@ MOST_AXES = 60
 """Largest number of frames that are shown. More frames would cover the picture."""
 _SHAPE_OPACITY = 0.35
 _PLANE = 2.4
-"""Edge length of the part of a half space's border that is drawn [m]."""
+"""Edge length of the drawn part of a half space's border [m]."""
 
 
 def robot_items(robot: Robot) -> tuple[tuple[Item, ...], tuple[str, ...]]:
     """Return the bodies of a robot to draw, and notes about shapes that can't be read.
 
-    The bodies are the visual shapes of the robot's links (or the collision shapes, if there are no visual
-    shapes) and the mounted tools. If no link has a shape, bars from joint to joint show the arm.
+    A link is drawn by its visual shapes, or by its collision shape if it has no visual shape. Mounted tools
+    are drawn too. If no link has a shape, bars from joint to joint show the arm.
     """
     visuals: dict[str, list[Item]] = {}
     spoilt: set[str] = set()
@@ -56,7 +56,9 @@ def robot_items(robot: Robot) -> tuple[tuple[Item, ...], tuple[str, ...]]:
                 colour = _link_colour(bar.joint)
                 items.append(Item(bar.link, "robot", bar.joint, bar.base_from_shape, solid, colour, 1.0))
         if items:
-            notes.append("bars lead from joint to joint: no link of the robot has a shape that can be read")
+            notes.append(
+                "the robot is shown by bars from joint to joint, because no shape of its links can be read"
+            )
     for tool in robot.tools:
         for part in tool.shapes if tool.mounted else ():
             solid = solid_of(part.shape)
@@ -67,7 +69,7 @@ def robot_items(robot: Robot) -> tuple[tuple[Item, ...], tuple[str, ...]]:
             items.append(Item(tool.name, "tool", robot.size, placed, solid, colours.TOOL, 1.0))
     if spoilt:
         notes.append(
-            f"shown by collision shapes, as the visual ones can't be read: {', '.join(sorted(spoilt))}"
+            f"shown by collision shapes, because the visual ones can't be read: {', '.join(sorted(spoilt))}"
         )
     return tuple(items), tuple(dict.fromkeys(notes))
 
@@ -89,7 +91,8 @@ def collision_items(robot: Robot) -> tuple[Item, ...]:
 
 
 def shapes_beside(robot: Robot, items: Iterable[Item]) -> tuple[Item, ...]:
-    """Return transparent collision shapes of the robot links that the picture shows by their visual shapes.
+    """Return transparent items: the collision shapes of those robot links that the picture shows by visual
+    shapes.
 
     Args:
         robot: the robot.
@@ -123,7 +126,7 @@ def cell_items(robot: Robot, cell: Cell) -> tuple[tuple[Item, ...], tuple[str, .
         if border is None and zone.keep is not None:
             notes.append(rule_note(zone))
         elif border is None:
-            notes.append(f"zone {zone.name} is a window of the joints, which has no place to be shown")
+            notes.append(f"zone {zone.name} limits joint positions, and can't be shown as a body")
         else:
             placed, solid = border
             items.append(Item(zone.name, "zone", 0, placed, solid, colours.ZONES[zone.rule], 0.16))
@@ -131,8 +134,8 @@ def cell_items(robot: Robot, cell: Cell) -> tuple[tuple[Item, ...], tuple[str, .
 
 
 def rule_note(zone: Zone) -> str:
-    """Return the note that a path constraint (KEEP rule) about directions isn't drawn."""
-    return f"the rule {zone.name} is about directions, which have no place to be shown"
+    """Return the note that the picture doesn't show a path constraint (KEEP rule) about directions."""
+    return f"the rule {zone.name} limits directions, and can't be shown as a body"
 
 
 def _border(zone: Zone) -> tuple[Array, Solid] | None:
@@ -209,7 +212,7 @@ def _used(robot: Robot, program: Program) -> Iterable[Axes]:
 
 
 def _rooted(link: FrameLink) -> tuple[str, Array]:
-    """Return the root ({B} or {FLANGE}) of a frame's chain of parents, and the frame's pose in this root."""
+    """Return the root of a frame's chain of parents, {B} or {FLANGE}, and the frame's pose in it."""
     pose = link.parent_from_frame
     while link.parent is not None and link.parent.parent is not None:
         link = link.parent

@@ -1,5 +1,5 @@
-"""Choose the camera's first view of a scene: near, from above, and from the side with the fewest obstacles
-between the camera and the robot.
+"""Choose the camera's first view of a scene: near the robot, from above, and from the side with the fewest
+obstacles between camera and robot.
 """
 
 from __future__ import annotations
@@ -11,15 +11,17 @@ from yarclang.view.stage import Stage, moved_by
 
 _AROUND = 16
 _HEIGHT = 0.40
-"""Height of the eye, as a share of its distance."""
+"""Height of the camera above the point at which it looks, divided by its horizontal distance from this
+point.
+"""
 _FIRST = np.deg2rad(39.0)
-"""Direction that is chosen if no side has an obstacle [rad]."""
+"""Side from which the camera looks if no obstacle is on any side [rad]."""
 _MOST_POINTS, _MOST_TRIANGLES = 150, 4_000
 
 
 def shown_box(stage: Stage, *, whole: bool) -> tuple[Array, Array]:
-    """Return the corners of the box around the robot at its start and its path, as smallest and largest
-    coordinates (3,) [m].
+    """Return the box around the robot at its start and around its path, as smallest and largest coordinates
+    (3,) [m].
 
     Args:
         stage: the scene that is drawn.
@@ -39,7 +41,7 @@ def first_view(stage: Stage) -> tuple[Array, Array]:
     points = np.concatenate([stage.way.points, *_corners(stage, around=False)])
     points = points[:: -(-len(points) // _MOST_POINTS)]
     angles = _FIRST + np.arange(_AROUND) * (2.0 * np.pi / _AROUND)
-    # Begin at the usual side: of equally good sides, the one nearest to it is chosen.
+    # The usual side comes first. Of equally good sides, the nearest one to it is chosen.
     order = np.argsort(
         np.abs(np.arange(_AROUND) - _AROUND * (np.arange(_AROUND) > _AROUND // 2)), kind="stable"
     )

@@ -25,8 +25,8 @@ ZONES: dict[str, Colour] = {
 }
 SEVERITIES: dict[str, Colour] = {"error": (214, 40, 40), "warning": (236, 146, 16), "note": (30, 120, 220)}
 
-# Anchors of viridis, and of a ramp from red through yellow to blue. The lightness of this ramp varies so that
-# people with any kind of colour vision can read it.
+# Anchor colours of two ramps: viridis, and one from red through yellow to blue. The lightness of the second
+# ramp varies, so that people with any kind of colour vision can read it.
 _SPEED = ((68, 1, 84), (59, 82, 139), (33, 145, 140), (94, 201, 98), (253, 231, 37))
 _CLEARANCE = ((165, 0, 38), (244, 109, 67), (254, 224, 144), (116, 173, 209), (49, 54, 149))
 RAMPS: dict[str, tuple[Colour, ...]] = {

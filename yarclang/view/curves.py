@@ -1,8 +1,8 @@
 """Draw curves over time beside the picture, as SVG: joint positions within their ranges, joint speeds, and
 the speed of the frame whose path is drawn.
 
-A vertical marker shows the current instant. Its position is set by a style in a separate node, so that only
-a few bytes are sent while time runs.
+A vertical marker shows the current instant. A style in a separate node sets its position, so that only a few
+bytes are sent while time runs.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ from yarclang.view.stage import Stage
 from yarclang.view.track import followed
 
 _SAMPLES = 400
-"""Number of places on the time axis."""
+"""Number of instants for which the curves have values."""
 _WIDTH, _HEIGHT, _GAP = 400.0, 70.0, 22.0
-"""Size of a curve's picture, and the height of its text [pixels]."""
+"""Width and height of a diagram, and height of the line of text above it [pixels]."""
 _LEAST_SPEED = 1.0
-"""Smallest upper end of a speed's scale [mm/s]. With a smaller scale, rounding errors would look like
+"""Least upper end of the scale of a speed diagram [mm/s]. On a smaller scale, rounding errors would look like
 motion.
 """
 _LEAST_SHARE = 1.0
-"""Smallest upper end of a share's scale [%]."""
+"""Least upper end of the scale of a diagram in percent of a limit [%]."""
 _DASHES = {"-": "", "--": ' stroke-dasharray="6 3"', ":": ' stroke-dasharray="2 3"'}
 
 

@@ -15,15 +15,15 @@ FINEST = 5e-5
 is allowed.
 """
 _FINEST_SHADE, _COARSEST_SHADE = 0.02, 0.2
-"""Largest difference in colour, as a share of the scale. The second value applies if there would be too many
-lines; it is small enough to keep short slow places visible.
+"""Largest difference in colour between drawn lines and the path, as a share of the colour scale. The second
+value applies if there would be too many lines. It is small enough that short slow sections stay visible.
 """
 MOST_LINES = 20_000
 """Largest number of lines that a browser draws easily, even without a graphics card."""
 _TOGETHER = 1e-9
-"""Points whose distance is smaller count as one place [m]."""
+"""Distance below which two points count as the same point [m]."""
 _BLOCK = 512
-"""Number of points that are thinned together."""
+"""Number of points in a block. Points are thinned only within blocks."""
 
 
 @frozen(eq=False)
@@ -48,8 +48,8 @@ def drawn_lines(way: Way, values: Array | None = None, most: float = 1.0, lines:
         way: the path.
         values: (N,) values that colour the path's points; None for a single colour.
         most: value at the end of the colour scale.
-        lines: largest number of segments. If the path has more separate sections, each section has one
-            segment.
+        lines: largest number of segments; more only if the path has more separate sections, which have
+            one segment each.
 
     Returns:
         Segments in the order of the path.
@@ -78,9 +78,9 @@ def exact_lines(way: Way) -> Rows:
 
 
 def _runs(way: Way) -> tuple[Rows, Rows]:
-    """Return the numbers of the first and of the last point of each connected section of a path.
+    """Return the indices of the first and of the last point of each connected section of a path.
 
-    Sections of the path that touch (one begins where the previous one ends) count as one.
+    If a section begins where the previous one ends, the two count as one.
     """
     inner = way.breaks[1:-1]
     apart = np.abs(way.points[inner] - way.points[inner - 1]).max(axis=1, initial=0.0) > _TOGETHER
@@ -134,15 +134,15 @@ def _kept(
 def _wrong(
     points: Array, shades: Array, first: Rows, second: Rows, inside: Rows, off: float, shade: float
 ) -> Array:
-    """Return how far path points are from line segments that replace the path, in position or colour, as
-    multiples (M,) of the tolerances.
+    """Return the deviations of path points from line segments that replace the path, in position or colour,
+    as multiples (M,) of the tolerances.
 
     Args:
         points: (N, 3) points of the path [m].
         shades: (N,) colours of these points, from 0 to 1.
-        first: (M,) numbers of the points at which the segments begin.
-        second: (M,) numbers of the points at which the segments end.
-        inside: (M,) numbers of the points to compare with the segments.
+        first: (M,) indices of the points at which the segments begin.
+        second: (M,) indices of the points at which the segments end.
+        inside: (M,) indices of the points to compare with the segments.
         off: tolerance of the distance [m].
         shade: tolerance of the colour.
     """

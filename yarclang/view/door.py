@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     import viser
 
 _ALL = {"0.0.0.0", "::"}
-"""Hosts that mean all addresses of this machine."""
+"""Hosts that stand for all addresses of this machine."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,8 +55,8 @@ def opened(door: Door) -> Iterator[viser.ViserServer]:
 
 
 def _open(door: Door) -> viser.ViserServer:
-    # Check this first: viser would silently use the next free port, and would wait for ever at another
-    # machine's address.
+    # Check the address first: viser would silently use the next free port, and would wait for ever at an
+    # address of another machine.
     try:
         family = socket.getaddrinfo(door.host, door.port, type=socket.SOCK_STREAM)[0]
         with socket.socket(family[0], socket.SOCK_STREAM) as probe:
@@ -72,7 +72,9 @@ def _open(door: Door) -> viser.ViserServer:
 
 
 def _names(door: Door) -> frozenset[str]:
-    """Return the names of this machine in the network if the server listens on all addresses."""
+    """Return the names of this machine in the network if the server listens on all addresses, otherwise
+    none.
+    """
     if door.host not in _ALL:
         return frozenset()
     name = socket.gethostname()

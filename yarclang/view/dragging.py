@@ -15,7 +15,7 @@ from yarclang.source import SourceFile
 from yarclang.transforms import quaternion_rotation
 
 NEW = "NEW"
-"""Name of a frame that no file declares. If a file declares a frame with this name, another name is used."""
+"""Name of a new frame. If the program or the cell has a frame with this name, a number is appended."""
 
 _DIGITS = (4, 5)
 """Numbers of decimals of lengths [mm] and angles [deg]."""
@@ -28,7 +28,7 @@ class Draggable:
     Attributes:
         name: name without braces.
         parent: name of the frame in which the declaration gives the pose.
-        joint: number of joints that move the frame.
+        joint: number of joints that move the frame, counted from the base.
         base_from_parent: (4, 4) pose of the parent with all joints at zero.
         parent_from_frame: (4, 4) pose as declared.
         source: file that declares the frame; empty for a new frame.
@@ -51,11 +51,12 @@ class Draggable:
 
     @property
     def in_cell(self) -> bool:
-        """Return True if a cell.toml declares the frame, in a table."""
+        """Return True if a cell.toml declares the frame. The declaration is then a table."""
         return self.source.endswith(".toml")
 
     def moved_to(self, position: Array, wxyz: Array) -> Array:
-        """Return parent_from_frame (4, 4) of the frame after a drag to a pose, given with all joints at zero.
+        """Return the pose parent_from_frame (4, 4) of the frame after it was dragged. The arguments are its
+        new pose in {B} with all joints at zero.
 
         Args:
             position: (3,) [m].
@@ -89,8 +90,8 @@ def draggables_of(robot: Robot, program: Program, base_from_new: Array) -> tuple
     """Return the frames that users can drag: those that a program's commands use and a file declares, and a
     new frame in {B}.
 
-    If the line of a frame is executed several times with different poses, as in a loop, the frame is left
-    out: no single line could declare its new pose.
+    A frame is left out if its line is executed several times with different poses, as in a loop. No single
+    line could declare its new pose.
 
     Args:
         robot: the robot.

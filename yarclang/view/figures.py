@@ -30,8 +30,8 @@ STYLE = """<style>
 [data-dock-tab] { padding-inline: 0.45em !important; }
 .mantine-Tabs-panel .mantine-Button-inner { justify-content: flex-start; }
 </style>"""  # noqa: E501
-"""Style of buttons and tabs. Buttons show their whole text, since viser cuts off what doesn't fit on a line;
-tabs fit on one line.
+"""Style of buttons and tabs. viser cuts off text that doesn't fit on a line; with this style, buttons show
+their whole text, and tabs fit on one line.
 """
 
 
@@ -75,8 +75,8 @@ def stand_rows(stage: Stage, q: Array) -> list[tuple[str, str]]:
 
 
 def rule_rows(stage: Stage, time: float, q: Array) -> list[tuple[str, str]]:
-    """Return table rows with the path constraints (KEEP rules) in force at a time [s], and their angles and
-    distances at joint positions (n,).
+    """Return table rows with the path constraints (KEEP rules) that are in force at a time [s], and their
+    angles and distances at joint positions (n,).
     """
     holds = stage.rules.at(time)
     rows = []
@@ -86,7 +86,7 @@ def rule_rows(stage: Stage, time: float, q: Array) -> list[tuple[str, str]]:
         broken = "" if now.is_kept else ", BROKEN"
         rows.append(("keeps to", f"{rule.keep.words}: {now.figures}{broken}"))
     if len(holds) > MOST_SHOWN:
-        rows.append(("keeps to", f"{len(holds) - MOST_SHOWN} more rules, which aren't shown"))
+        rows.append(("keeps to", f"{len(holds) - MOST_SHOWN} more rules"))
     return rows
 
 
@@ -144,8 +144,8 @@ def mark_html(mark: Mark) -> str:
 
 
 def legend_html(ramp: str, most: float, unit: str, what: str, *, is_capped: bool = False) -> str:
-    """Return a colour ramp as HTML, with the values at its ends. With `is_capped`, values may exceed the
-    upper end.
+    """Return a colour ramp as HTML, with the values at its ends. With `is_capped`, the upper end is marked:
+    values may exceed it.
     """
     anchors = colours.RAMPS[ramp]
     stops = ", ".join(f"{_css(one)} {100.0 * at / (len(anchors) - 1):.0f}%" for at, one in enumerate(anchors))
@@ -169,13 +169,13 @@ def robots_html(stage: Stage) -> str:
     """
     if stage.ghost is None:
         return ""
-    planned = "planned robot (seen through) and planned path (thin)"
-    actual = "actual robot in its own colours, and its path in those of the scale"
+    planned = "planned robot (transparent) and planned path (thin)"
+    actual = "actual robot in its own colours, and its path in the colours of the scale"
     return _BLOCK.format("<br>".join([_swatch(colours.GHOST, planned), _swatch(colours.JOINT_BODY, actual)]))
 
 
 def key_html(stage: Stage) -> str:
-    """Return the meaning of the colours besides those of the path, as HTML."""
+    """Return the meaning of all colours except those of the path, as HTML."""
     kinds = {item.kind for item in stage.items}
     entries: list[tuple[Colour, str]] = []
     if stage.ghost is not None:

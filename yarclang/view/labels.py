@@ -1,7 +1,7 @@
-"""Place the labels of the picture such that none covers another.
+"""Place the labels of the picture such that no label covers another.
 
-Labels of places that are close together are joined. Findings have labels only if they belong to the current
-command or its neighbours. A label that would cover another one in the first view is raised.
+Labels of points that are close to each other are joined. Findings have labels only if they belong to the
+current command or its neighbours. A label that would cover another one in the first view is raised.
 """
 
 from __future__ import annotations
@@ -16,20 +16,20 @@ from yarclang.robot.model import Array
 from yarclang.view.stage import Mark
 
 _MOST = 24
-"""Largest number of findings with labels at a time."""
+"""Largest number of findings that have labels at the same time."""
 SHARE = 0.1
-"""Places nearer than this share of half the picture's size share a label. At first, this is the height of
-three labels.
+"""Largest distance of two points whose texts are joined to one label, as a share of half the scene's
+diagonal. In the first view, this is about the height of three labels.
 """
 
 _FOCUS = 400.0 / np.tan(np.deg2rad(37.5))
-"""Number of pixels of a metre at a distance of a metre: half of a usual window's height, divided by the
-tangent of half the camera's first angle.
+"""Length on the screen of one metre that is one metre away from the camera [pixels]: half of a usual window's
+height, divided by the tangent of half the camera's angle of view.
 """
 _WIDE, _HIGH = 9.0, 20.0
 """Width of a character and height of a line, including the space around them [pixels], at scale 1."""
 _MOST_LINES = 40
-"""Largest height by which a label is raised, in lines."""
+"""Largest number of text lines by which a label is raised."""
 
 Anchor = Literal["bottom-center", "bottom-left", "top-left"]
 
@@ -41,8 +41,8 @@ class Label:
     Attributes:
         text: the text.
         place: (3,) the point [m].
-        scale: size relative to the usual one.
-        anchor: which corner or side of the label lies at the point.
+        scale: size relative to the usual size.
+        anchor: the corner or side of the label that lies at the point.
     """
 
     text: str
@@ -52,7 +52,8 @@ class Label:
 
 
 def raised(labels: Sequence[Label], eye: Array, middle: Array) -> list[float]:
-    """Return the heights [m] by which labels must be raised, so that each is clear of the labels before it.
+    """Return the height [m] by which each label must be raised so that it covers none of the labels before
+    it.
 
     Args:
         labels: the labels.
@@ -69,10 +70,10 @@ def raised(labels: Sequence[Label], eye: Array, middle: Array) -> list[float]:
         ray = label.place - eye
         aside, above, depth = (float(ray @ axis) for axis in (right, up, ahead))
         height = 0.0
-        if depth > 0.0:  # otherwise it is behind the eye
+        if depth > 0.0:  # labels behind the camera aren't raised
             for lines in range(_MOST_LINES):
                 y = _FOCUS * above / depth + lines * _HIGH * label.scale
-                # Raising a label also changes its distance from the eye.
+                # A raised label is also nearer to the camera or farther away.
                 height = (y * depth / _FOCUS - above) / float(up[2] - y * ahead[2] / _FOCUS)
                 box = _box(label, _FOCUS * aside / (depth + height * float(ahead[2])), y)
                 if not _meets(box, taken):
@@ -98,8 +99,8 @@ def _meets(box: Array, taken: Array) -> bool:
 def spots(places: Array, apart: float) -> list[list[int]]:
     """Group points (N, 3) that are close to each other.
 
-    A point belongs to the first group whose first point is nearer than `apart` [m]. If there is none, it
-    begins a new group.
+    A point belongs to the first group whose first point is nearer than `apart` [m]. If there is no such
+    group, the point begins a new one.
     """
     found: list[list[int]] = []
     for number, place in enumerate(places):
@@ -115,14 +116,14 @@ def spots(places: Array, apart: float) -> list[list[int]]:
 def labelled(marks: Sequence[Mark], piece: int) -> frozenset[int]:
     """Return the findings that have labels in the picture while a command is shown.
 
-    These are the findings of the command and of its two neighbours (for command -1, of all commands), and the
-    findings that belong to no command.
+    These are the findings of the command and of its two neighbours, and findings that belong to no command.
+    For command -1, they are the findings of all commands.
     """
     near = [
         number
         for number, one in enumerate(marks)
         if piece < 0 or one.piece < 0 or abs(one.piece - piece) <= 1
     ]
-    # Findings of the current command come first.
+    # Findings of the current command come first, since there may be too many.
     near.sort(key=lambda number: abs(marks[number].piece - piece))
     return frozenset(near[:_MOST])

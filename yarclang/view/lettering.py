@@ -29,16 +29,16 @@ class Lettering:
         self._piece = -1
 
     def give(self, label: Label, *groups: str) -> None:
-        """Add a label that is visible if none of its groups is switched off."""
+        """Add a label that is visible as long as all of its groups are switched on."""
         self._given.append((label, groups))
 
     def give_marks(self, numbers: list[int], place: Array) -> None:
-        """Add the label of the findings at one point of the scene."""
+        """Add one label for all findings at a point of the scene."""
         self._findings.append((Label(self._said(numbers), place, 0.8, "bottom-left"), numbers))
 
     def write(self, eye: Array, middle: Array) -> None:
         """Write all labels for a camera at `eye` (3,) that looks at `middle` (3,) [m]."""
-        # Findings keep their places, and the other labels are moved.
+        # Findings come first and aren't moved; all other labels give way to them.
         labels = [*(label for label, _ in self._findings), *(label for label, _ in self._given)]
         nodes = []
         for number, (label, height) in enumerate(zip(labels, raised(labels, eye, middle), strict=True)):

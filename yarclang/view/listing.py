@@ -46,11 +46,11 @@ class Listing:
         self.chosen = [number for number, row in enumerate(self.rows) if lower in row.lower()]
 
     def turn(self, pages: int) -> None:
-        """Turn pages, but not beyond the first or the last page."""
+        """Turn a number of pages, but not beyond the first or the last page."""
         self.page = min(max(self.page + pages, 0), self.pages - 1)
 
     def follow(self, row: int) -> None:
-        """Turn to the page with a row. If the row doesn't contain the word, don't turn."""
+        """Turn to the page with a row. If the row is filtered out, don't turn."""
         at = bisect_left(self.chosen, row)
         if at < len(self.chosen) and self.chosen[at] == row:
             self.page = at // self.size

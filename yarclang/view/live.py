@@ -28,9 +28,9 @@ _RATE = 20.0
 _LOOKS_EACH, _LOOKS_EACH_REAL = 0.2, 1.0
 """Time between two requests for inputs and outputs [s], for a simulated and for a real controller."""
 _SILENT = 2.0
-"""Time without a message after which the robot's position counts as unknown [s]."""
+"""Time without a message after which the robot's position is shown as unknown [s]."""
 _AGAIN_EACH = 1.0
-"""Time between two attempts to find a robot that isn't served [s]."""
+"""Time between two attempts to find a robot that no coordinator serves [s]."""
 
 
 def show_live(whose: Whose, door: Door, ready: Callable[[Door, str], None]) -> None:
@@ -80,9 +80,10 @@ class _Link:
         except Trouble as trouble:
             if there.is_gone:
                 raise
-            what = f"{run.name} can't be shown: it denies what is around its robot"
+            what = f"{run.name} can't be shown: it doesn't give the surroundings of its robot"
             raise Trouble(
-                what, "is it an older yarclang? End it, and serve the robot with this one"
+                what,
+                "it is served by an older yarclang: end that process, and serve the robot with this version",
             ) from trouble
 
     @property
@@ -99,7 +100,7 @@ async def _show(whose: Whose, door: Door, ready: Callable[[Door, str], None]) ->
     given: asyncio.Queue[Order] = asyncio.Queue()
 
     def give(order: Order) -> None:  # runs in a thread of the server
-        with contextlib.suppress(RuntimeError):  # raised if the loop has ended
+        with contextlib.suppress(RuntimeError):  # the event loop has ended
             loop.call_soon_threadsafe(given.put_nowait, order)
 
     try:
@@ -118,7 +119,7 @@ async def _show(whose: Whose, door: Door, ready: Callable[[Door, str], None]) ->
 
 
 async def _again(whose: Whose, before: Run, page: LivePage, given: asyncio.Queue[Order]) -> _Link:
-    """Wait until a coordinator serves the robot again."""
+    """Wait until a coordinator serves the robot again, and connect to it."""
     while True:
         try:
             return await _Link.attach(await asyncio.to_thread(whose.again, before))
@@ -159,7 +160,7 @@ class _Watch:
                     while not self._given.empty():
                         self._take(self._given.get_nowait())
                     silent = self._there.silence
-                    self._page.draw(f"nothing was heard for {silent:.0f} s" if silent > _SILENT else "")
+                    self._page.draw(f"no message was received for {silent:.0f} s" if silent > _SILENT else "")
                     due = max(due + 1.0 / _RATE, loop.time())
                     await asyncio.sleep(due - loop.time())
                 looking.result()
@@ -183,9 +184,10 @@ class _Watch:
             await asyncio.sleep(each)
 
     async def _look_for_parts(self, around: Surroundings) -> None:
-        """Request the places of the workpieces from the coordinator once no program runs any more.
+        """Request the places of the workpieces from the coordinator.
 
-        Until then, the coordinator doesn't know where the running program has moved them.
+        While a program runs, they are requested only once: until the program ends, the coordinator doesn't
+        know where the program has moved the workpieces.
         """
         parts, is_busy = self._live.parts, self._live.is_under_way
         if parts is None or (is_busy and parts is self._parts) or around.cell is None:

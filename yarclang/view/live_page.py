@@ -28,9 +28,9 @@ if TYPE_CHECKING:
     import viser
 
 _STILL = 1e-5
-"""If joints move by less than this, they aren't moved in the picture [rad or m]."""
+"""If no joint has moved by more than this, the robot isn't moved in the picture [rad or m]."""
 _TEXT_EACH = 5
-"""Number of pictures after which the figures are updated."""
+"""The figures are updated with every `_TEXT_EACH`-th picture."""
 
 
 class LivePage:
@@ -123,7 +123,7 @@ class LivePage:
         self._show_lost(why)
 
     def take(self, order: Order) -> None:
-        """Carry out a user's order about the picture. An order to set an input is ignored if no coordinator
+        """Execute a user's order about the picture. An order to set an input is ignored if no coordinator
         serves the robot.
         """
         if order.kind == "group":
@@ -153,7 +153,7 @@ class LivePage:
 def _other(before: Place, now: Place) -> str:
     old, new = before.robot, now.robot
     if (old.name, old.size) == (new.name, new.size):
-        return f"{new.name} has been described anew since this page was opened"
+        return f"{new.name} has a new description since this page was opened"
     return (
         f"another robot is served here now: {new.name} with {new.size} joints, not {old.name} with {old.size}"
     )

@@ -94,7 +94,7 @@ class LivePanel:
                 box.disabled = is_fixed
             if one.value is not None and box.value != bool(one.value):
                 box.value = bool(one.value)
-        none = "none is named by the cell, the program or the session"
+        none = "the cell, the program and the session declare none"
         self._fixed.show(figures.plain_html(none if not around.inputs else around.fixed))
         rows = [(one.name, f"{_value(one)} ({one.variable})") for one in around.outputs]
         self._outputs.show(figures.rows_html(rows) if rows else figures.plain_html(none))
@@ -110,7 +110,7 @@ class LivePanel:
                 self._boxes[one.name] = box
 
     def _ticked(self, name: str, event: Any) -> None:
-        if event.client_id is not None:  # otherwise the box follows the robot
+        if event.client_id is not None:  # None if this program has set the box
             self._give(Order("input", name, bool(event.target.value)))
 
 

@@ -1,5 +1,5 @@
-"""Follow the workpieces of a cell while its robot runs: from the coordinator's report, and by the grippers'
-actions since then.
+"""Follow the workpieces of a cell while its robot runs: begin with the coordinator's report, and update it by
+the grippers' actions.
 
 This module reads no clock.
 """
@@ -17,7 +17,9 @@ from yarclang.handling.walk import flange_pose
 from yarclang.robot.model import Array, Robot
 
 _LEFT = 0.05
-"""Distance that a gripper must have from the place of gripping before the next part may come [m]."""
+"""Distance by which the flange must move after a gripper has closed, before the next workpiece appears at
+this place [m].
+"""
 
 
 class LiveParts:
@@ -30,7 +32,8 @@ class LiveParts:
     Attributes:
         parts: the workpieces whose places are known.
         doubt: reason why the places aren't known; empty if they are.
-        is_late: True if the places are those before the running program began.
+        is_late: True if the places were reported while a program was running. The program may have moved
+            workpieces before the report.
     """
 
     def __init__(self, robot: Robot, cell: Cell) -> None:
@@ -45,9 +48,9 @@ class LiveParts:
         """Return table rows about the workpieces: name and value."""
         rows = [("holds", ", ".join(names))] if (names := [one.name for one in self.parts.held()]) else []
         if self.doubt:
-            rows.append(("parts", f"nobody knows where they are: {self.doubt}"))
+            rows.append(("parts", f"the places aren't certain: {self.doubt}"))
         elif self.is_late:
-            rows.append(("parts", "as before this began; SETs from now on are followed"))
+            rows.append(("parts", "as before this page was opened; later SETs are shown"))
         return rows
 
     def told(self, told: replies.Parts, *, is_late: bool = False) -> None:
@@ -56,8 +59,8 @@ class LiveParts:
 
         Args:
             told: the coordinator's message.
-            is_late: True if a program is running, whose effect on the workpieces the coordinator reports only
-                at its end.
+            is_late: True if a program is running. Only at the end of the program, the coordinator reports
+                which workpieces the program has moved.
         """
         self.doubt = told.doubt or ""
         self.is_late = is_late
@@ -103,8 +106,8 @@ class LiveParts:
             self.parts = remove(self.parts, removal)
 
     def stands(self, q: Array) -> None:
-        """Update the workpieces for new joint positions (n,) [rad or m]: a place from which the gripper has
-        moved away gets its next workpiece.
+        """Update the workpieces for new joint positions (n,) [rad or m]. If the gripper has moved away from a
+        place with a supply of workpieces, the next workpiece appears there.
         """
         if self._took is None or not self.parts.expected:
             return

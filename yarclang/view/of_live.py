@@ -24,8 +24,8 @@ from yarclang.view.surroundings import followed_frame, surroundings_of
 from yarclang.view.track import way_of_track
 
 _UNDER_WAY = (State.INIT, State.MOVE, State.HOLD)
-"""States in which a status describes the running program. In other states, it describes the purpose of the
-process.
+"""States in which the texts of a status describe the running program. In all other states, they describe the
+purpose of the process.
 """
 
 
@@ -87,7 +87,7 @@ class Live:
 
     Attributes:
         robot: the robot.
-        said: the last warning, or the error of the last program; empty without one.
+        said: the last warning, or the error of the last program; empty if there is none.
         parts: places of the cell's workpieces; None if no cell is known or it has no workpieces.
     """
 
@@ -146,8 +146,8 @@ class Live:
     def is_under_way(self) -> bool:
         """Return True while the robot runs a program or a single command.
 
-        The workpieces that it moves are followed here, since the coordinator updates their places only
-        afterwards.
+        During this time, the view itself follows the workpieces that the robot moves, since the coordinator
+        updates their places only afterwards.
         """
         return bool(self._known.under_way)
 

@@ -58,11 +58,11 @@ from yarclang.view.track import Curves, way_of_curves
 _RANKS = {"error": 0, "warning": 1, "note": 2}
 """Severities in the order in which findings are listed."""
 _SHORT = 40
-"""Largest number of commands for which there is no list of the worst places, since all commands are visible
-at once.
+"""Number of commands up to which a program has no list of its worst places. All commands of such a program
+are visible at once.
 """
 _LOOKS = 200
-"""Number of samples of a motion among which a reported collision is searched."""
+"""Number of samples of a motion at which distances are computed to find the time of a reported collision."""
 
 
 def stage_of_program(
@@ -89,7 +89,7 @@ def stage_of_program(
     way = way_of_curves(curves, robot.chain, frame.flange_from_frame, owners)
     around = surroundings_of(robot, program, frame.name)
     unplanned = sum(isinstance(step, Motion) for step in program.steps) - len(plan.motions)
-    # rules are drawn while they hold, and not as zones
+    # Path constraints (KEEP rules) are drawn while they are in force, and not as zones.
     of_rules = [zone for zone in (around.cell.zones if around.cell is not None else ()) if zone.keep]
     names, unshown = {zone.name for zone in of_rules}, {rule_note(zone) for zone in of_rules}
     items = tuple(one for one in around.items if one.kind != "zone" or one.name not in names)
@@ -135,7 +135,7 @@ def stage_of_program(
 def _worst(
     certificate: Certificate | None, robot: Robot, cell: Cell | None, number_of: Mapping[int, int]
 ) -> tuple[Worst, ...]:
-    """Return the places of a long program that come nearest to their limits."""
+    """Return the places of a long program that come nearest to their limits; empty for a short program."""
     if certificate is None or len(certificate.commands) <= _SHORT:
         return ()
     return tuple(
@@ -151,7 +151,7 @@ def _worst(
 def _pieces(
     plan: MotionPlan, proved: Mapping[int, CommandCertificate], carried: Carried | None
 ) -> tuple[tuple[Piece, ...], dict[int, int]]:
-    """Return all commands of a program in order, and the number of the command of each step."""
+    """Return all commands of a program in order, and the index of the command for each step."""
     at = {motion.step: number for number, motion in enumerate(plan.motions)}
     pieces: list[Piece] = []
     number_of: dict[int, int] = {}
@@ -249,7 +249,7 @@ def _action_facts(step: Step) -> tuple[tuple[str, str], ...]:
             return (
                 (
                     "waits for",
-                    f"{in_words(condition)}, at most {within:g} s; the other way is what is done then",
+                    f"{in_words(condition)}, at most {within:g} s; then the other branch is carried out",
                 ),
             )
         case When(offset=Offset(name=name)):
@@ -257,7 +257,7 @@ def _action_facts(step: Step) -> tuple[tuple[str, str], ...]:
         case When(condition=condition):
             compared = simple(condition)
             said = in_words(condition) if compared is None else f"{compared[0].name} = {compared[1]:g}"
-            return (("if", f"{said}; both ways are shown one after the other"),)
+            return (("if", f"{said}; both branches are shown one after the other"),)
         case Loop():
             return (("begins", "a loop; one pass of it is shown"),)
         case NextPass():
@@ -278,7 +278,7 @@ def _action_facts(step: Step) -> tuple[tuple[str, str], ...]:
 
 @dataclass(frozen=True, eq=False)
 class _Stands:
-    """Finds the points of the path at which findings are marked."""
+    """Determines the command, the time and the point on the path at which each finding is marked."""
 
     plan: MotionPlan
     flange_from_frame: Array
@@ -315,7 +315,7 @@ class _Stands:
 
     def _origin(self, number: int) -> Origin:
         step = self.plan.program.steps[number]
-        assert not isinstance(step, Gap)  # gaps come from no line
+        assert not isinstance(step, Gap)  # no finding belongs to a gap
         return step.origin
 
     def _time(self, finding: Diagnostic, step: int | None, piece: Piece) -> float:

@@ -30,7 +30,9 @@ from yarclang.view.track import Recorded, Shifted, way_of_track
 _MOST_POINTS = 20_000
 
 _SEEN = 0.2
-"""Largest time between two samples of a motion [s]."""
+"""A command that is longer than this and has no sample wasn't executed [s]. Samples of a motion are at most
+this time apart.
+"""
 
 
 def stage_of_run(file: str, robot_name: str | None, cell: str | None = None) -> Result[Stage]:
@@ -57,7 +59,7 @@ def stage_of_run(file: str, robot_name: str | None, cell: str | None = None) -> 
     loaded = robot_made_for(folder, run.robot.name) if robot_name is None else named_robot(folder, robot_name)
     robot = loaded.value
     if robot is None:
-        help_ = "if it is your own robot, give its place: --robot PATH"
+        help_ = "for a robot of your own, give its path: --robot PATH"
         return Result(None, (*found, *(_with_help(one, help_) for one in loaded.diagnostics)))
     if (robot.name, robot.joint_names) != (run.robot.name, run.robot.joint_names):
         theirs, ours = (
@@ -96,7 +98,7 @@ def _stage(run: RecordedRun, planned: Planned, robot: Robot, origins: Origins, c
     every = max(-(-len(run.times) // _MOST_POINTS), 1)
     times = np.unique(np.append(run.times[::every], run.times[-1]))
     if robot.fingerprint != run.robot.fingerprint:
-        notes = (f"{robot.name} has changed since the run: what is shown is the robot of today", *notes)
+        notes = (f"{robot.name} has changed since the run: the present robot is shown", *notes)
     text, _ = outcome_text(run)
     does = executed(run.text, robot, run.file).value
     parts = recorded_parts(run, tracking, does, program) if does is not None else None
@@ -127,7 +129,7 @@ def _stage(run: RecordedRun, planned: Planned, robot: Robot, origins: Origins, c
 def _carries(
     run: RecordedRun, does: Executed | None, parts: RecordedParts | None
 ) -> tuple[tuple[tuple[str, str], ...], ...]:
-    """Return the facts about the workpieces that each command of the run carries."""
+    """For each command of the run, return the facts about the workpieces that it carries."""
     if does is None or parts is None:
         return ((),) * len(run.commands)
     steps = [act.step for act in does.acts if act.curve is not None]
@@ -148,8 +150,8 @@ class _AsPlanned:
 def _plan_times(run: RecordedRun, tracking: Tracking) -> tuple[Array, Array]:
     """Return times of the run and the corresponding times of the program, (K,) each [s].
 
-    Before the program begins, the time of the program is that of its start. When the program is repeated, its
-    time begins again.
+    Before the program begins, the time of the program is that of its start. In each further pass of a
+    repeated program, the time of the program begins again.
     """
     if not len(tracking.rows):
         return np.array([0.0]), np.array([0.0])
@@ -159,10 +161,10 @@ def _plan_times(run: RecordedRun, tracking: Tracking) -> tuple[Array, Array]:
 def _pieces(
     run: RecordedRun, tracking: Tracking, carries: Sequence[tuple[tuple[str, str], ...]]
 ) -> tuple[Piece, ...]:
-    """Return the commands with the times at which they ran; if the program was repeated, with the times of
-    the last pass.
+    """Return the commands with the times at which they were executed. If the program was repeated, the times
+    are those of the last pass.
 
-    Commands that weren't reached have no time and are left out.
+    Commands that weren't executed have no time and are left out.
     """
     if not len(tracking.rows):
         return ()
@@ -200,8 +202,8 @@ def _pieces(
 def _marks(
     run: RecordedRun, tracking: Tracking, track: Recorded, robot: Robot, flange_from_frame: Array
 ) -> tuple[Mark, ...]:
-    """Return marks for the log's remarks and for the end of the run, with the robot's positions at these
-    times.
+    """Return marks for the remarks in the log and for the end of the run. Each mark is at the position of the
+    robot at its time.
     """
     told: list[tuple[float, str, Severity]] = [
         (one.time, one.text, "note") for one in marks_of(run, tracking)

@@ -1,5 +1,5 @@
-"""Build the scene of a controller text (the compiler's output), with the frames and the cell of its program
-if these are found.
+"""Build the scene of a controller text (the compiler's output). If its program is found, the scene has the
+program's frames and cell.
 """
 
 from __future__ import annotations

@@ -21,7 +21,9 @@ _COMPILED = "; yarcc "
 
 
 RobotOf = Callable[[SourceFile, str | None], Result[Robot]]
-"""Function that finds the robot of a controller text from its header and the name on the command line."""
+"""Function that finds the robot of a controller text. Its arguments are the text and the name on the command
+line.
+"""
 
 
 def opened(file: str, options: Options, robot_of: RobotOf) -> Result[Stage]:

@@ -35,7 +35,7 @@ class Order:
 
     Attributes:
         kind: kind of the order.
-        value: what the order is about, or the new value.
+        value: the subject of the order, or the new value.
         more: a second value, for orders that need one.
     """
 
@@ -63,7 +63,7 @@ Give = Callable[[Order], None]
 
 
 class Rows:
-    """A list shown as buttons, with a search field and two buttons that turn pages."""
+    """A list shown as buttons, with a search field and two buttons for turning pages."""
 
     def __init__(
         self, gui: viser.GuiApi, rows: list[str], kind: Literal["piece", "mark", "worst"], give: Give
@@ -99,7 +99,7 @@ class Rows:
             give(Order(self._kind, shown[place]))
 
     def choose(self, number: int) -> None:
-        """Turn to a row and highlight it."""
+        """Turn to the page with a row, and highlight the row."""
         if number == self._current:
             return
         self._current = number
@@ -108,7 +108,7 @@ class Rows:
         self.draw()
 
     def draw(self) -> None:
-        """Write all changes."""
+        """Send all changes to the browser."""
         shown = self.listing.shown
         for place, button in enumerate(self._buttons):
             number = shown[place] if place < len(shown) else -1
@@ -124,7 +124,11 @@ class Rows:
         if self._where is not None:
             first = self.listing.page * _ROWS + 1
             count = len(self.listing.chosen)
-            what = f"{first:,} to {first + len(shown) - 1:,} of {count:,}" if count else "none has that word"
+            what = (
+                f"{first:,} to {first + len(shown) - 1:,} of {count:,}"
+                if count
+                else "none contains this text"
+            )
             self._where.content = f'<div style="font-size:12px;padding:0 10px;color:#777">{what}</div>'
 
 
@@ -190,7 +194,9 @@ class Panel:
                 box.on_update(lambda _, name=name, box=box: give(Order("group", name, bool(box.value))))
 
     def _offer_frames(self, give: Give) -> None:
-        """Add the list from which a frame to drag is chosen, and the text of its line."""
+        """Add a menu with the frames that can be dragged, and a field for the line that declares the dragged
+        frame.
+        """
         gui = self._gui
         gui.add_html(_DRAG)
         texts = [f"{{{one.name}}} in {{{one.parent}}}{_where(one)}" for one in self._stage.draggable]
@@ -211,7 +217,7 @@ class Panel:
             self._instant.content = instant_html(min(time / self._stage.duration, 1.0))
 
     def _slid(self, give: Give, event: Any) -> None:
-        if event.client_id is not None:  # otherwise the slider follows the time that is played
+        if event.client_id is not None:  # None if this program has moved the slider
             give(Order("time", float(self._slider.value)))
 
     def _whose(self, piece: int) -> str:
@@ -227,7 +233,7 @@ class Panel:
             self._slider.value = round(time, 3)
 
     def show_playing(self, plays: bool) -> None:
-        """Write on the button what it does next: start or stop."""
+        """Label the button with the action that it will have: start or stop."""
         label = "Pause" if plays else "Play"
         if self._play.label != label:
             self._play.label = label
@@ -258,15 +264,13 @@ def _where(one: Draggable) -> str:
 
 _NOTHING = "none"
 _DRAG = (
-    '<div style="font-size:12px;padding:2px 10px">Choose a frame, drag it by its arrows, rings and squares, and copy '  # noqa: E501
-    "its line. No file is changed. A frame on the robot moves with it.</div>"
+    '<div style="font-size:12px;padding:2px 10px">Choose a frame, drag it by its arrows, rings and '
+    "squares, and copy its line. No file is changed. A frame on the robot moves with the robot.</div>"
 )
-_NEAREST = (
-    '<div style="font-size:12px;padding:2px 10px">The places nearest to a limit, the nearest first.</div>'
-)
+_NEAREST = '<div style="font-size:12px;padding:2px 10px">The places nearest to a limit, nearest first.</div>'
 _NONE = '<div style="font-size:12px;padding:2px 10px">There are no findings.</div>'
 
 
 def _step(duration: float) -> float:
-    """Return a step of the slider [s] that is fine enough to stop at any instant."""
+    """Return a step of the slider [s] that is small enough for stopping at any instant."""
     return 0.001 if duration < 600.0 else 0.01

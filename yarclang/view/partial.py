@@ -20,13 +20,13 @@ from yarclang.motion.plan import MotionPlan, PlannedMotion
 from yarclang.robot.model import Array
 
 _TOGETHER = 1e-9
-"""A motion connects to the previous one if its beginning differs from the other's end by at most this [rad
-or m].
+"""Difference up to which the end of a motion and the beginning of the next one count as connected [rad or
+m].
 """
 
 
 def met(plan: MotionPlan) -> tuple[Diagnostic, ...]:
-    """Return the collisions of the planned motions and their violations of zones, proved as for a complete
+    """Return the collisions and zone violations of the planned motions. They are proved as for a complete
     program.
     """
     found: list[Diagnostic] = []
@@ -36,13 +36,13 @@ def met(plan: MotionPlan) -> tuple[Diagnostic, ...]:
     for motions in _without_gaps(plan.motions):
         layout = _layout(plan, motions)
         found += find_clearances(layout, plan.program, plan.robot, handled)[1]
-        found += find_zones(layout, plan.robot, handled)[1]
+        found += find_zones(layout, plan.robot, handled, {})[1]
     return in_order(found)
 
 
 def _without_gaps(motions: Sequence[PlannedMotion]) -> Iterator[list[PlannedMotion]]:
-    """Yield the longest sequences of planned motions without a gap. Between two sequences, a motion couldn't
-    be planned.
+    """Divide planned motions into sequences without a gap, and yield each sequence. Between two sequences
+    there is a motion that couldn't be planned.
     """
     stretch: list[PlannedMotion] = []
     for motion in motions:

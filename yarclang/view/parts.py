@@ -22,16 +22,16 @@ from yarclang.view.stage import Item, Scenes, Stage
 SURE, UNSURE = 1.0, 0.45
 """Opacity of a part whose place is known, and of a part that may be elsewhere."""
 _NAMED = 8
-"""Largest number of parts of a kind that all show their names.
+"""Largest number of workpieces of one kind that all show their names.
 
-If there are more, only the first part and parts that are held show their names, because the others are close
+If there are more, only the first workpiece and held ones show their names, since the others are close
 together.
 """
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Moment:
-    """A state of the workpieces (which are held, and where the others stand), from a given time on.
+    """The state of all workpieces from a given time on: which are held, and where the others are.
 
     Attributes:
         begins: the time [s].
@@ -184,17 +184,17 @@ def unfollowed(cell: Cell | None, carried: Carried | None) -> tuple[str, ...]:
     """Return a note if the places of a cell's workpieces are unknown."""
     if carried is not None or cell is None or not cell.parts:
         return ()
-    return ("the cell's parts aren't shown: only the program says where they are taken",)
+    return ("the cell's parts aren't shown: only the program shows where they are taken",)
 
 
 def facts_of_set(carried: Carried | None, step: int) -> tuple[tuple[str, str], ...]:
-    """Return which workpieces a SET takes, puts down or removes, as names and texts to show."""
+    """Return the workpieces that a SET takes, puts down or removes, as names and texts to show."""
     deeds = carried.deeds(step) if carried is not None else ()
     return tuple((verb, ", ".join(names)) for verb, names in deeds)
 
 
 def facts_of_motion(carried: Carried | None, step: int) -> tuple[tuple[str, str], ...]:
-    """Return which workpieces a motion carries, and which bodies are allowed to touch during it, as names and
+    """Return the workpieces that a motion carries, and the bodies that may touch during it, as names and
     texts to show.
     """
     if carried is None:

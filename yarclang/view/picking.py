@@ -1,4 +1,4 @@
-"""Find what a click means: the point nearest to the ray from the camera through the mouse."""
+"""Find the target of a click: the point nearest to the ray from the camera through the mouse."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from yarclang.robot.model import Array
 from yarclang.view.stage import Way
 
 ANGLE = 0.02
-"""Largest angle between the ray of a click and the point that it means [rad], about 12 pixels."""
+"""Largest angle between the ray of a click and its target [rad], about 12 pixels."""
 
 
 def beside(points: Array, eye: Array, direction: Array) -> tuple[int, float]:
     """Return the index of the point with the smallest angle to a ray from the camera, and this angle [rad].
 
-    -1 and infinity if no point is in front of the camera.
+    If no point is in front of the camera, the result is -1 and infinity.
 
     Args:
         points: (N, 3) [m].
@@ -40,11 +40,11 @@ def picked_time(way: Way, eye: Array, direction: Array) -> float | None:
     if len(way.points) < 2:
         return None
     inside = np.ones(len(way.points) - 1, dtype=np.bool_)
-    inside[way.breaks[1:-1] - 1] = False  # no line connects two stretches
+    inside[way.breaks[1:-1] - 1] = False  # separate sections aren't connected by a line
     first = np.flatnonzero(inside)
     a, b = way.points[first], way.points[first + 1]
     ray = direction / np.linalg.norm(direction)
-    # The point of each line nearest to the ray.
+    # Find the point of each line that is nearest to the ray.
     line, arm = b - a, a - eye
     flat_line, flat_arm = line - (line @ ray)[:, None] * ray, arm - (arm @ ray)[:, None] * ray
     square = np.einsum("ni,ni->n", flat_line, flat_line)

@@ -34,17 +34,17 @@ _WIDTH, _THIN, _THICK = 5.0, 2.5, 10.0
 
 
 _AROUND = 200
-"""Number of commands before and after the chosen one whose path is drawn exactly if the whole path is drawn
-coarsely.
+"""Number of commands before and after the chosen command whose path is drawn exactly, if the whole path is
+simplified.
 """
 _MOST_MARKS = 200
-"""Largest number of findings that are drawn on the path, beginning with the most severe. The list contains
-all of them.
+"""Largest number of findings that are drawn on the path, the most severe ones first. The list contains all
+findings.
 """
 
 
 class Picture:
-    """All nodes of the drawn scene in viser.
+    """All viser nodes of the drawn scene.
 
     Args:
         server: web server of the page.
@@ -185,7 +185,7 @@ class Picture:
             return
         self._draw_exactly("/chosen", self._owners == number, _THICK)
         if self._drawn.off > FINEST:
-            # Users look at this part of the path from nearer than at the whole path.
+            # Users look at this part of the path more closely than at the whole path.
             self._draw_exactly("/around", np.abs(self._owners - number) <= _AROUND, _WIDTH)
 
     def _draw_exactly(self, name: str, wanted: NDArray[np.bool_], width: float) -> None:
@@ -223,8 +223,9 @@ class Picture:
         """Show the handles by which users drag a frame; for -1 show none.
 
         Args:
-            number: number of the frame among the frames of the scene that can be dragged.
-            dragged: called with position (3,) [m] and quaternion w x y z, with all joints at zero.
+            number: index of the frame in the scene's list of draggable frames.
+            dragged: function that is called with the frame's new position (3,) [m] and quaternion w x y z,
+                with all joints at zero.
         """
         if self._handles is not None:
             self._handles.remove()
@@ -304,7 +305,7 @@ class Picture:
         )
 
     def _draw_ghosts(self) -> list[Any]:
-        """Draw the planned robot, transparent, and return its nodes."""
+        """Draw the planned robot, transparently, and return its nodes."""
         nodes = [
             self._scene.add_frame(f"/planned_{number}", show_axes=False)
             for number in range(self._stage.robot.size + 1)
@@ -338,7 +339,8 @@ class Picture:
                 name.text,
                 position=name.place,
                 font_screen_scale=0.7,
-                # if the robot brings this frame to another one, its label is on the other side
+                # A moving frame has its label on the other side than a fixed frame, since the robot may move
+                # it to a fixed frame.
                 anchor="top-right" if name.matters else "bottom-right",
             )
             self.switches.add(label, *groups)

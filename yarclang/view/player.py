@@ -1,5 +1,5 @@
-"""The instant that the picture shows. It stands still or runs from beginning to end at some speed. This
-module reads no clock.
+"""The instant that the picture shows. It is constant, or it runs to the end at a chosen speed. This module
+reads no clock.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ class Player:
     plays: bool = False
 
     def pass_by(self, seconds: float) -> bool:
-        """Advance the shown instant while the time runs, and stop at the end.
+        """Advance the shown instant if the time runs; stop at the end.
 
         Args:
             seconds: real time that has passed [s].

@@ -1,4 +1,4 @@
-"""Find the running robot to show, at first and again after no coordinator has served it for some time."""
+"""Find the running robot to show. If no coordinator serves it for some time, find it again afterwards."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _SERVE = "serve one: `yarc serve --robot NAME`, or run a program: `yarc run`"
 
 @dataclass(frozen=True, slots=True)
 class Whose:
-    """Which running robot to show. Without a name and a host, it is the only one that runs.
+    """The running robot to show. Without a name and a host, it is the only robot that runs.
 
     Attributes:
         name: name of the run; None for any.
@@ -50,8 +50,8 @@ class Whose:
         return the_run(self.name)
 
     def again(self, before: Run) -> Run:
-        """Return the run that replaces a run that has ended: the one with the same controller or, without a
-        controller, with the same robot.
+        """Return the run that follows a run that has ended. The following run must have the same controller
+        if `host` is given, otherwise the same robot.
 
         Raises:
             ControlError: there is none, or there are several.
@@ -74,7 +74,7 @@ class Place:
     Attributes:
         robot: the robot.
         cell: the cell; None without one.
-        notes: what can't be read of the cell.
+        notes: parts of the cell that can't be read, with reasons.
     """
 
     robot: Robot
@@ -82,7 +82,7 @@ class Place:
     notes: tuple[str, ...] = ()
 
     def is_as(self, other: Place) -> bool:
-        """Return True if another place looks the same."""
+        """Return True if another robot and its cell look the same in the picture."""
         texts = [None if one.cell is None else one.cell.source for one in (self, other)]
         return (
             self.robot.fingerprint == other.robot.fingerprint
@@ -92,7 +92,7 @@ class Place:
 
 
 def read_place(welcome: Welcome, around: Surroundings) -> Place:
-    """Read the files of a robot and its cell whose paths a coordinator has sent.
+    """Read the files of a robot and its cell. The coordinator has sent their paths.
 
     Raises:
         Trouble: the robot's files can't be read, or have changed since the coordinator was started.
@@ -101,10 +101,10 @@ def read_place(welcome: Welcome, around: Surroundings) -> Place:
     robot = loaded.value
     if robot is None:
         first = loaded.diagnostics[0].message
-        raise Trouble(f"the robot in {around.robot} can't be read: {first}", "look whether it was moved")
+        raise Trouble(f"the robot in {around.robot} can't be read: {first}", "check whether it was moved")
     if robot.fingerprint != welcome.fingerprint:
         what = f"the robot in {around.robot} has changed since it is served"
-        raise Trouble(what, "end its process and serve it again")
+        raise Trouble(what, "end its process, and serve the robot again")
     if around.cell is None:
         return Place(robot, None)
     path = Path(around.cell)

@@ -1,5 +1,5 @@
-"""Follow the workpieces of a cell during a recorded run, by the times at which the robot reached the SET
-commands.
+"""Follow the workpieces of a cell during a recorded run. Grippers act at the times at which the robot reached
+their SET commands.
 """
 
 from __future__ import annotations
@@ -35,12 +35,12 @@ from yarclang.view.parts import Moment, ShownParts, shown_parts
 from yarclang.ways import Turn
 
 _BESIDE = 0.02
-"""Tolerance of a sample's time in the program while the robot is at rest [s]."""
+"""Largest difference between the program times of two samples that count as one rest of the robot [s]."""
 _STANDS = 0.1
-"""Shortest duration at one time of the program that counts as rest [s]."""
+"""Shortest time of the run without progress in the program that counts as a rest [s]."""
 _BESIDE_WAY = 0.12
-"""Times in the program that are nearer than this to the end of a branch may belong to the steps after it
-[s].
+"""Largest time from a sample to the end of a branch at which the sample may belong to steps outside of the
+branch [s].
 """
 
 
@@ -64,7 +64,7 @@ class _Pass:
     Attributes:
         real: (N,) times in the run [s].
         told: (N,) times in the program [s], never decreasing.
-        is_whole: True if the pass was completed.
+        is_whole: True if the pass reached its end.
     """
 
     real: Array
@@ -73,18 +73,18 @@ class _Pass:
 
     def when(self, time: float, *, leaves: bool) -> float | None:
         """Convert a time of the program to the time in the run at which the robot reached it [s]; None if it
-        never did.
+        was never reached.
 
         Args:
             time: time in the program [s].
-            leaves: if the robot was at rest there for a while, True for the end of this rest, False for its
-                beginning.
+            leaves: if the robot rested at this time of the program, True for the end of the rest, False for
+                its beginning.
         """
         if time > self.told[-1] + _BESIDE:
             return float(self.real[-1]) if self.is_whole else None
         first = int(np.searchsorted(self.told, time - _BESIDE, side="left"))
         last = int(np.searchsorted(self.told, time + _BESIDE, side="right")) - 1
-        if last < 0:  # the pass began later in the program
+        if last < 0:  # the pass began at a later time of the program
             return float(self.real[0])
         begins, ends = float(self.real[first]), float(self.real[last])
         if ends - begins > _STANDS:
@@ -137,7 +137,7 @@ def _passes(run: RecordedRun, tracking: Tracking) -> Iterator[_Pass]:
 
 
 def _follows_wait(steps: Sequence[Step], number: int) -> bool:
-    """Return True if the robot waits for something between a step and the previous motion."""
+    """Return True if the robot waits for something between the previous motion and a step."""
     for step in reversed(steps[:number]):
         if isinstance(step, Motion):
             return False
@@ -149,9 +149,9 @@ def _follows_wait(steps: Sequence[Step], number: int) -> bool:
 def _left_out(steps: Sequence[Step], begins: Sequence[float], one: _Pass) -> Iterator[int]:
     """Yield the program steps that a pass left out, and the steps that only mark branches and loops.
 
-    These are the branches of a WHEN that weren't taken, with their WHEN, ELSE and END; the skipped remainders
-    of loops; and the steps at which loops begin and end. If both branches of a WHEN take no time, neither is
-    yielded.
+    These are: the branches of a WHEN that weren't taken, with their WHEN, ELSE and END; the skipped
+    remainders of loops; and the steps at which loops begin and end. If both branches of a WHEN take no time,
+    neither is yielded.
     """
     open_: list[tuple[int, int | None]] = []
     loops: list[list[int]] = []

@@ -1,5 +1,5 @@
-"""Draw the path constraints (KEEP rules) of the shown instant: a translucent cone or plane for each, and the
-line that must stay in the cone or above the plane.
+"""Draw the path constraints (KEEP rules) that are in force at the shown instant. Each has a translucent cone
+or plane, and the line that must stay in the cone or above the plane.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ _WIDTH = 3.0
 
 
 class RuleNodes:
-    """The viser nodes of the path constraints (KEEP rules) in force. Others have no nodes, since a program
-    may have thousands of rules.
+    """The viser nodes of the path constraints (KEEP rules) that are in force. Rules that aren't in force have
+    no nodes, since a program may have thousands of them.
 
     Args:
         scene: viser's scene.

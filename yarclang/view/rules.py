@@ -23,11 +23,13 @@ MOST_SHOWN = 12
 _AXIS = 0.3
 """Length of the axis and the cone of UPRIGHT [m]."""
 _FAR = 1.0
-"""Length of a cone without a largest distance, if its least distance is smaller [m]."""
+"""Least length of the cone of a rule without a largest distance [m]. If twice the rule's smallest distance is
+longer, that is the cone's length.
+"""
 _HALF = 0.6
-"""Half of the edge length of the part of a plane that is drawn [m]."""
+"""Half of the edge length of the drawn part of a plane [m]."""
 _WITHIN = 0.01
-"""Amount by which a sample may exceed its limit and still count as within it [deg or mm]."""
+"""Amount by which a value may exceed its limit and still count as within it [deg or mm]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,7 +50,7 @@ class RuleNow:
 
     @property
     def figures(self) -> str:
-        """The angle and the distance: 8.96 deg, 640.2 mm."""
+        """The angle and the distance as text, such as "8.96 deg, 640.2 mm"."""
         return ", ".join(f"{float(one.values[0]) + 0.0:.2f} {one.unit}" for one in self.quantities)
 
 
@@ -65,7 +67,7 @@ class ShownRule:
     origin: Array
 
     def surface(self) -> Solid:
-        """Return the cone around its z axis from its apex, or a part of the plane through x and y."""
+        """Return the cone around its z axis from its apex, or a part of the plane of its x and y axes."""
         region = self.keep.region
         match region:
             case Tilt():
@@ -94,7 +96,7 @@ class ShownRule:
                 pointer = np.array([place, spot if region.is_carried else origin])
             case Height():
                 axis = np.array(region.up)
-                # the plane is drawn below the frame
+                # Draw the plane below the frame.
                 place = origin - (axis @ origin - region.level - region.limit) * axis
                 pointer = np.array([place, origin])
         found = measured(self.keep, robot.chain, q[None])

@@ -15,8 +15,8 @@ from websockets.asyncio import server as websocket_server
 from yarclang.hosts import HERE, is_called, is_own
 
 Request = Callable[[Any, Any], Any]
-"""Callback that websockets calls with a connection and its request. It returns a response, or None to
-continue.
+"""Callback that websockets calls with a connection and its request. It returns a response, or None to let the
+server handle the request.
 """
 
 
@@ -46,7 +46,7 @@ class GuardedServer(viser.ViserServer):
 
 
 class _Guard:
-    """A filter that allows or refuses each request for a file or a connection before the server answers it.
+    """A filter that allows or refuses each request for a file or a connection, before the server handles it.
 
     Attributes:
         is_asked: True if the server has called the filter at least once.
@@ -57,7 +57,7 @@ class _Guard:
         self._names = names
 
     def before(self, answer: Request | None) -> Request:
-        """Return a callback that asks this guard first, and then the given callback."""
+        """Return a callback that first asks this filter, and then the given callback."""
         self.is_asked = True
 
         def process(connection: Any, request: Any) -> Any:
@@ -84,8 +84,8 @@ class _Guard:
 
 @contextlib.contextmanager
 def _guarded(guard: _Guard) -> Iterator[None]:
-    """Make new websocket servers ask a filter before each connection. viser has no option by which such a
-    callback can be passed to websockets.
+    """Make new websocket servers ask a filter before each connection. viser has no option that passes such a
+    callback to websockets.
     """
     serve = websocket_server.serve
 

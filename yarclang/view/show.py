@@ -30,9 +30,9 @@ _RATE = 30.0
 _TEXT_RATE = 8.0
 """Number of updates of figures and slider per second."""
 _MOST_CLEARANCES = 3_000
-"""Largest number of places at which clearances are computed. Colours between them are interpolated."""
+"""Largest number of path points at which clearances are computed. Values at other points are interpolated."""
 _PASSES = 20.0
-"""Longest wait for an order [s]. It is bounded so that an interrupt is noticed."""
+"""Longest wait for an order [s]. It is limited so that an interrupt is noticed."""
 
 
 def show(stage: Stage, door: Door, ready: Callable[[Door], None]) -> None:
@@ -53,7 +53,7 @@ def show(stage: Stage, door: Door, ready: Callable[[Door], None]) -> None:
 
 
 class _Showing:
-    """The picture that is shown. Only its own thread draws; the threads of viser add orders."""
+    """The picture that is shown. Only the thread of `run` draws; viser's threads only add orders."""
 
     def __init__(self, server: viser.ViserServer, stage: Stage) -> None:
         self._stage = stage
@@ -127,7 +127,7 @@ class _Showing:
                 self._lists[order.value].draw()
 
     def _drag(self, number: int) -> None:
-        """Show the handles of a frame that the user can drag; for -1 none."""
+        """Show the handles of a frame that the user can drag; for -1 show none."""
         self._dragged = number
         self._picture.drag(number, lambda position, wxyz: self._orders.put(Order("dragged", position, wxyz)))
         one = self._stage.draggable[number] if number >= 0 else None
@@ -198,7 +198,7 @@ class _Showing:
 
 
 def ramps_of(stage: Stage) -> dict[str, str]:
-    """Return the kinds of values that can colour the path, with their names for people."""
+    """Return the quantities that can colour the path, with their names for people."""
     if len(stage.way.points) < 2:
         return {}
     ramps = {"speed": "speed"}
@@ -210,7 +210,7 @@ def ramps_of(stage: Stage) -> dict[str, str]:
 
 
 def values_of(stage: Stage, ramp: str) -> Array:
-    """Return the values [mm] that colour the path (N,), one for each of its points."""
+    """Return the values that colour the path, (N,) [mm], one for each point of the path."""
     times = stage.way.times
     if ramp == "deviation":
         assert stage.ghost is not None  # offered only with a ghost

@@ -24,7 +24,9 @@ from yarclang.view.rules import NO_RULES, Rules
 
 Colour = tuple[int, int, int]
 Kind = Literal["robot", "tool", "obstacle", "zone", "part", "shape"]
-"""Kinds of items. A `shape` is the collision shape of a link with a visual shape; no stage contains it."""
+"""Kinds of items. A `shape` is the collision shape of a link that the picture shows by visual shapes. A
+`Stage` has no items of this kind; `shapes_beside` returns them.
+"""
 Rows = NDArray[np.int64]
 
 
@@ -63,11 +65,11 @@ class Axes:
 
     Attributes:
         name: name without braces.
-        joint: number of joints that move the frame.
+        joint: number of joints that move the frame, counted from the base.
         base_from_frame: (4, 4) pose with all joints at zero.
         of_program: True if the program declares the frame.
-        matters: True for {B}, for the frame whose path is drawn, and for the first pose of each frame that
-            the program uses; without a program, for each frame of the cell.
+        matters: True for {B}, for the frame whose path is drawn, and for the first pose of each frame
+            that the program uses; without a program, for each frame of the cell.
     """
 
     name: str
@@ -96,9 +98,9 @@ class Way:
         times: (N,) time of each point [s].
         points: (N, 3) origin of the frame [m].
         speed: (N,) speed of the frame's origin [m/s].
-        breaks: (M + 1,) points `breaks[k]` up to `breaks[k + 1]` are one connected section. Nothing is drawn
-            between two sections.
-        piece: (M,) number of the command of each section, -1 for none.
+        breaks: (M + 1,) indices of points: section k has the points from `breaks[k]` up to but not
+            including `breaks[k + 1]`. Points within a section are connected, different sections aren't.
+        piece: (M,) index of the command of each section, -1 for none.
     """
 
     times: Array
@@ -110,7 +112,7 @@ class Way:
 
 class Later:
     """Facts about a command, as names and values, that are computed each time they are shown. A long program
-    has many commands, of which only few are ever shown.
+    has many commands, but only few are ever shown.
 
     Args:
         make: function that computes the facts.
@@ -193,12 +195,12 @@ class Mark:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scenes:
-    """The bodies of the collision check over time, which change when the robot grips or releases a workpiece.
+    """The bodies of the collision check over time. They change when the robot grips or releases a workpiece.
 
     Attributes:
         robot: the robot.
-        begins: (K,) times from which on each cell applies [s], never decreasing.
-        cells: (K,) states of the cell. The first one also applies before its time.
+        begins: (K,) times from which on each state of the cell applies [s], never decreasing.
+        cells: (K,) states of the cell. The first state also applies before its time.
     """
 
     robot: Robot
@@ -206,11 +208,11 @@ class Scenes:
     cells: tuple[Cell | None, ...]
 
     def numbers(self, times: Array) -> Rows:
-        """Return the numbers of the cells that apply at times (N,) [s]."""
+        """Return the indices of the states of the cell that apply at times (N,) [s]."""
         return np.maximum(np.searchsorted(self.begins, times, side="right") - 1, 0)
 
     def scene(self, number: int) -> Scene | None:
-        """Return the bodies of the collision check with a state of the cell; None if there is no body that
+        """Return the bodies of the collision check for the state of the cell with this index; None if no body
         could collide.
         """
         found = scene_of(self.robot, self.cells[number]).value
@@ -274,8 +276,8 @@ class Stage:
         return self.scenes.scene(int(self.scenes.numbers(np.array([time]))[0]))
 
     def scenes_over(self, times: Array) -> Iterator[tuple[Scene, Rows]]:
-        """Yield each set of bodies of the collision check that applies at some of the times (N,) [s], with
-        the indices of these times.
+        """Yield the bodies of the collision check at times (N,) [s]: each set of bodies once, with the
+        indices of the times at which it applies.
         """
         if self.scene is None:
             return
@@ -289,9 +291,10 @@ class Stage:
                 yield scene, np.flatnonzero(numbers == number)
 
     def piece_at(self, time: float) -> int:
-        """Return the number of the command that runs at a time [s]; -1 before the first command.
+        """Return the index of the command that is executed at a time [s]; -1 before the first command.
 
-        If several commands run then, return the one that moves the robot or, if there is none, the first.
+        If there are several such commands, return the one that moves the robot. If none of them does, return
+        the first.
         """
         count = bisect_right(self.pieces, time + 1e-9, key=lambda piece: piece.begins)
         first = count
@@ -300,14 +303,14 @@ class Stage:
         found = -1
         for number, piece in enumerate(self.pieces[max(first - 1, 0) : count], max(first - 1, 0)):
             if time <= piece.ends + 1e-9 or piece.moves:
-                # At the end of a command, which is the beginning of the next one, return the next one.
+                # Where a command ends, the next one begins: return the next one.
                 found = number if piece.moves or found < 0 or self.pieces[found].ends < time else found
         return found
 
 
 def moved_by(chain: Chain, q: Array) -> Array:
-    """Return the transforms (n + 1, 4, 4) of bodies that 0 to n joints move, from all joints at zero to
-    `q` (n,).
+    """Return the displacements of bodies when the joints move from zero to the positions `q` (n,). Matrix k
+    of the result (n + 1, 4, 4) is the transform of the bodies that the first k joints move.
     """
     moved = np.tile(np.eye(4), (chain.size + 1, 1, 1))
     for joint in range(chain.size):

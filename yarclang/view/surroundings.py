@@ -1,4 +1,4 @@
-"""The surroundings that each picture shows: the robot, its cell, the program's frames, and notes."""
+"""The robot, its cell, the program's frames, and notes, as each picture shows them."""
 
 from __future__ import annotations
 
@@ -63,8 +63,8 @@ def surroundings_of(
 
 
 def followed_frame(robot: Robot, program: Program | None) -> DrawnFrame:
-    """Return the frame whose path is drawn: the one that a program's first Cartesian motion moves. Without
-    such a motion, return {TCP}, or else the flange.
+    """Return the frame whose path is drawn: the frame that a program's first Cartesian motion moves. Without
+    such a motion, it is {TCP}, or the flange if the robot has no {TCP}.
     """
     for step in program.steps if program is not None else ():
         if (led := led_by(step)) is not None:

@@ -73,8 +73,8 @@ class Switches:
             node.visible = False
 
     def switch(self, name: str, is_shown: bool) -> None:
-        """Switch a group on or off together with its nodes, except the nodes of workpieces, which `Parts`
-        switches.
+        """Switch a group on or off, with its nodes. Nodes of workpieces are left out, since `Parts` switches
+        them.
         """
         (self._hidden.discard if is_shown else self._hidden.add)(name)
         for node, groups in self._nodes[name]:
@@ -88,8 +88,8 @@ class Switches:
 
 
 class Parts:
-    """The nodes of workpieces. Each is visible while its workpiece is at the node's place. Only changes are
-    sent.
+    """The nodes of workpieces. Each node is visible while its workpiece is at the node's place. Only changes
+    are sent.
 
     Args:
         switches: switches of the picture.
@@ -113,7 +113,7 @@ class Parts:
         self._switches.add(node, *groups)
 
     def move_to(self, time: float) -> None:
-        """Show the parts that are there at a time [s]."""
+        """Show the workpieces as they are at a time [s]."""
         self._time = time
         wanted = (np.array(self._begins) <= time) & (time < np.array(self._ends)) & self._switched
         for number in np.flatnonzero(wanted != self._visible).tolist():
@@ -121,14 +121,15 @@ class Parts:
         self._visible = wanted
 
     def look(self) -> None:
-        """Show the parts whose groups are switched on."""
+        """Show the workpieces whose groups are switched on, and hide all others."""
         shown = [self._switches.is_shown(*groups) for _, groups in self._nodes]
         self._switched = np.array(shown, dtype=np.bool_)
         self.move_to(self._time)
 
     def clear(self) -> None:
-        """Remove all parts."""
-        for node, _ in reversed(self._nodes):  # names are children of their parts, and must be removed first
+        """Remove all workpieces."""
+        # names are children of their workpieces, and must be removed first
+        for node, _ in reversed(self._nodes):
             node.remove()
         self._switches.forget("part")
         self._nodes, self._begins, self._ends = [], [], []

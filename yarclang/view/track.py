@@ -16,9 +16,9 @@ from yarclang.robot.model import Array, Chain
 from yarclang.view.stage import Track, Way
 
 MOST_POINTS = 20_000
-"""Number of points of a path."""
+"""Approximate largest number of points of a path."""
 _MOST_EACH, _FEWEST_EACH = 400, 8
-"""Largest and smallest number of points of one motion, if there are few motions."""
+"""Largest number of points of one motion, and smallest number if there are only few motions."""
 _AT_ONCE = 4_096
 """Number of points that are computed together."""
 
@@ -48,10 +48,10 @@ class Curves:
         return q, v
 
     def of(self, number: NDArray[np.intp], times: Array) -> tuple[Array, Array]:
-        """Return joint positions [rad or m] and velocities, (N, n) each, of planned motions.
+        """Return joint positions [rad or m] and velocities, (N, n) each, during planned motions.
 
         Args:
-            number: (N,) numbers of the motions.
+            number: (N,) indices of the motions.
             times: (N,) times after the start of each motion [s].
         """
         q, v, _ = self._sampler.sample(number, times)
@@ -90,7 +90,8 @@ class Recorded:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Shifted:
-    """Joint positions over time, played on another time scale. Velocities stay relative to the original time.
+    """Joint positions over time, converted to another time scale. Velocities are still derivatives with
+    respect to the original time.
 
     Attributes:
         track: the joint positions over their original time.
@@ -110,14 +111,14 @@ class Shifted:
 def way_of_curves(curves: Curves, chain: Chain, flange_from_frame: Array, pieces: Sequence[int]) -> Way:
     """Return the path of a frame during motions.
 
-    The points are distributed by the distances that the joints move. The more motions there are, the fewer
-    points a short motion has; if there are very many motions, it has only its start and end.
+    Motions get more points if their joints move farther. If there are many motions, short ones have few
+    points; if there are very many, only their start and end.
 
     Args:
         curves: the motions.
         chain: the robot's joints.
         flange_from_frame: (4, 4) pose of the frame.
-        pieces: number of the command of each motion.
+        pieces: index of the command of each motion.
     """
     if not curves.curves:
         still = tool_poses(chain, curves.start[None], flange_from_frame)[:, :3, 3]

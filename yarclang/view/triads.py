@@ -1,4 +1,4 @@
-"""Choose the frames that are drawn: one set of axes for each pose, and each name once."""
+"""Choose the frames that are drawn: one set of axes for all frames with equal poses, and each name once."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from yarclang.view.labels import spots
 from yarclang.view.stage import Axes
 
 _SAME = 1e-6
-"""Poses that differ by less count as equal [m, and entries of rotation matrices]."""
+"""Difference up to which poses count as equal [m, and entries of rotation matrices]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Triad:
-    """The three axes that are drawn for all frames with the same pose.
+    """The three axes that are drawn for all frames with one pose.
 
     Attributes:
-        joint: number of joints that move the axes.
+        joint: number of joints that move the axes, counted from the base.
         base_from_frame: (4, 4) pose with all joints at zero.
-        matters: True if one of the frames there is important (`Axes.matters`).
+        matters: True if one of these frames is important (`Axes.matters`).
     """
 
     joint: int
@@ -49,8 +49,8 @@ class Name:
 
 
 def triads_of(axes: Sequence[Axes]) -> list[Triad]:
-    """Return one set of axes for all frames with the same pose. Important frames come first, so that other
-    frames don't hide them.
+    """Return one set of axes for all frames with equal poses. Important frames come first, so that no other
+    frame hides them.
     """
     found: list[Triad] = []
     for one in sorted(axes, key=lambda one: not one.matters):
@@ -67,7 +67,7 @@ def _coincide(triad: Triad, one: Axes) -> bool:
 
 def names_of(axes: Sequence[Axes], apart: float) -> list[Name]:
     """Return the names of frames with their positions. Each name is written once, at the frame's first pose.
-    Names nearer to each other than `apart` [m] are joined.
+    Names that are nearer to each other than `apart` [m] are joined.
 
     If a frame has several poses, its name includes their number, such as "{CELL} 1 of 24".
     """

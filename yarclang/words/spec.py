@@ -52,11 +52,12 @@ class WordSpec:
         at_the_top: True if the word must come before the first command.
         once: True if a file has at most one such line.
         of_programs: True if the word isn't allowed in a module.
-        declares: kind of the name after the word; empty without one. Names that are never used are reported.
+        declares: kind of the name after the word; empty without one. A finding reports names that are never
+            used.
         proposes: kind of names that completion proposes after the word.
         slots: kinds of the word's values, if each line has the same number of them.
         first: words that may be the first value, each with one line about it.
-        wants: description of these values.
+        wants: description of the values, for a finding about wrong ones.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""Points of bodies, placed by Pinocchio, and zones by their plain definitions: they share nothing with
+"""Points of bodies, placed by Pinocchio, and zones by their plain definitions. Neither shares code with
 yarclang's proofs.
 """
 
@@ -13,7 +13,7 @@ from yarclang.transforms import rpy_rotation
 
 
 def inside(region, points):
-    """Whether points (..., 3) are in a region, by its definition."""
+    """Return which of the points (..., 3) are in a region, by its definition."""
     if isinstance(region, HalfSpace):
         return points @ region.normal >= region.offset
     x, y, z = np.moveaxis((points - region.base_from_shape[:3, 3]) @ region.base_from_shape[:3, :3], -1, 0)
@@ -29,7 +29,7 @@ def inside(region, points):
 
 
 def cloud(shape, random, count=400):
-    """Points (V, 3) of a body in its own axes, most of them on its surface."""
+    """Return points (V, 3) of a body in its own axes, most of them on its surface."""
     unit = random.normal(size=(count, 3))
     unit /= np.linalg.norm(unit, axis=1)[:, None]
     match shape:
@@ -53,8 +53,8 @@ def cloud(shape, random, count=400):
 
 
 class Clouds:
-    """What zones watch, as points: the bodies of a robot and of what it carries, the elbow, and a frame on
-    the flange.
+    """The bodies that zones watch, as points: bodies of a robot and of what it carries, the elbow, and a
+    frame on the flange.
     """
 
     def __init__(self, robot, cell, flange_from_moving, random):
@@ -71,11 +71,11 @@ class Clouds:
                 self.parts.append((name, is_link and moves, at, cloud(one.geometry, random)))
         joint, flange, _ = self.dense._ends(robot)
         self.flange = joint, flange
-        # the elbow of the library's robots, looked up by hand: their third joint
+        # The elbow of the library's robots is at their third joint.
         self.elbow = model.getJointId("J3")
 
     def watched(self, part, q):
-        """Points (P, V, 3) in {B} of what a zone watches, by names, at joint positions."""
+        """Return points (P, V, 3) in {B} of the bodies that a zone watches, by name, at joint positions."""
         dense, found = self.dense, {}
         base = np.linalg.inv(dense._ends(self.robot)[2])
         for row, values in enumerate(q):
@@ -101,7 +101,7 @@ class Clouds:
 
 
 def drawn_region(random, *, large=False):
-    """A region of any shape around the robot."""
+    """Return a random region of any shape around the robot."""
     a, b, c = random.uniform(0.1, 1.0, 3) * (2.0 if large else 1.0) + (1.0 if large else 0.0)
     placed = np.eye(4)
     placed[:3, :3] = rpy_rotation(random.uniform(-3, 3, 3))

@@ -1,5 +1,5 @@
-"""The thinnest zones that a cell may have are seen by the proof, wherever a motion crosses them; what a
-cell refuses may be crossed unseen.
+"""Tests of the thinnest zones that a cell may contain: the proof notices each motion across them. Thinner
+ones, which a cell refuses, may be crossed unnoticed.
 """
 
 import numpy as np
@@ -42,7 +42,7 @@ def test_a_sheet_of_the_least_thickness_is_never_crossed_unseen(tally, share, tu
     q = START + share * (GOAL - START)
     tool = flange_poses(ROBOT.chain, q[None])[0] @ tool_frame(ROBOT).flange_from_moving
     placed = np.eye(4)
-    placed[:3, :3] = tool[:3, :3] @ rpy_rotation(np.array(turn))  # its normal about along the motion
+    placed[:3, :3] = tool[:3, :3] @ rpy_rotation(np.array(turn))  # its normal is roughly along the motion
     placed[:3, 3] = tool[:3, 3]
     sheet = ShapeRegion(placed, Box(np.array([THINNEST, 3.0, 3.0])))
     found = doubts(sheet)

@@ -1,5 +1,5 @@
-"""Zones to stay in and out of: no breach is missed, by points of bodies that Pinocchio places; distances
-by other ways.
+"""Tests of zones to stay inside or outside of: no violation is missed. Violations are found independently,
+from points of bodies that Pinocchio places; distances are compared with other computations.
 """
 
 import os
@@ -23,9 +23,9 @@ from yarclang.robot.description import load_robot
 from yarclang.shapes import Box
 
 PART = 24
-"""So many cells are one test, of which a share must be kept and a share broken."""
+"""Number of cells in one test. A certain share of them must be respected, and a certain share violated."""
 COUNT = int(os.environ.get("YARCLANG_RANDOM_ZONES", "24"))
-"""How many cells are drawn; for a night, YARCLANG_RANDOM_ZONES=5000."""
+"""Number of cells that are drawn; for a night, YARCLANG_RANDOM_ZONES=5000."""
 
 
 def window(lower, upper, joint=2):
@@ -35,7 +35,7 @@ def window(lower, upper, joint=2):
 
 
 def zoned(random, count=4):
-    """A tool, and zones of all rules."""
+    """Return a cell with a tool, and zones of all rules."""
     zones = []
     for at in range(count):
         rule = str(random.choice(["allowed", "forbidden", "posture"]))
@@ -46,7 +46,7 @@ def zoned(random, count=4):
 
 
 def keep_to(scene, watches, q):
-    """Return which joint positions keep to all watches."""
+    """Return which joint positions respect all zones."""
     return np.all([slack_at(scene, one, q) >= slack_of(one) for one in watches], axis=0)
 
 
@@ -91,8 +91,8 @@ def test_what_is_told_is_true(first):
 
 
 def look_whether_it_is_true(tally, seed):
-    """Check that a breach that is told is one, and that the distance that is told isn't above any that is
-    seen.
+    """Check that a reported violation is one, and that a reported distance isn't larger than any
+    sampled one.
     """
     random = np.random.default_rng(seed + 10_000)
     robot = load_robot(ROBOTS[seed % 2]).value
@@ -116,7 +116,7 @@ def look_whether_it_is_true(tally, seed):
 
 @pytest.mark.parametrize("seed", range(8))
 def test_depths_are_those_of_points(seed):
-    """How far a body is in or out agrees with a cloud of its points."""
+    """The depth of a body inside or outside of a zone agrees with a cloud of its points."""
     random = np.random.default_rng(seed + 77)
     robot = load_robot("INDUSTRIAL6").value
     q = random.uniform(robot.limits.lower, robot.limits.upper, (10, 6))
@@ -132,17 +132,18 @@ def test_depths_are_those_of_points(seed):
             slack = slack_at(scene, watch, q)
             far = outside(region, points)
             seen = -far.max(axis=1) if rule == "allowed" else far.min(axis=1)
-            # how deep one convex body is in another, coal tells roughly
+            # Depths aren't compared, because coal computes the penetration depth of convex bodies only
+            # roughly.
             assert (slack <= np.maximum(seen, 0.0) + 1e-6).all()
             free = slack > 0.0
-            # a cloud has gaps of some centimetres
+            # A cloud has gaps of some centimetres, so its nearest point may be farther away than the body.
             assert (slack >= seen - (1e-6 if len(points[0]) == 1 else 0.08))[free].all()
 
 
 @pytest.mark.parametrize("seed", range(20))
 def test_signed_distances(seed):
-    """They are 1-Lipschitz and convex, agree with membership, and grow along `direction`; no point reaches
-    beyond `reach`.
+    """Signed distances are 1-Lipschitz and convex, agree with membership, and grow along `direction`. No
+    point is beyond `reach`.
     """
     random = np.random.default_rng(seed)
     region = drawn_region(random)
@@ -161,7 +162,7 @@ def test_signed_distances(seed):
 
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_rates_bound_all_points(robot):
-    """Speed, acceleration and jerk of points of bodies, by differences, are within their bounds."""
+    """Speed, acceleration and jerk of bodies' points, from differences, are within their bounds."""
     robot = load_robot(robot).value
     random = np.random.default_rng(2)
     scene = scene_of(robot, drawn(random, count=0)).value
@@ -182,7 +183,7 @@ def test_rates_bound_all_points(robot):
 
 
 def test_along_a_border_is_settled_quickly(industrial6):
-    """A motion that lies in a border, to the last bit, keeps it; a hundredth of a millimetre beyond, it
+    """A motion that is exactly on a border respects the zone. A hundredth of a millimetre beyond it, it
     doesn't.
     """
     turn = np.zeros((40, 6))

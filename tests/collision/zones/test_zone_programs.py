@@ -1,5 +1,5 @@
-"""Whatever compiles in a cell with zones keeps them: random programs in random zones, by an independent
-reading of the text and clouds of points.
+"""Random tests that each program that compiles in a cell with zones respects them, by an independent reading
+of the text and clouds of points.
 """
 
 import os
@@ -21,18 +21,20 @@ from yarclang.independent.reading import overlaps, read
 from yarclang.robot.description import load_robot
 
 COUNT = int(os.environ.get("YARCLANG_ZONE_PROGRAMS", "6"))
-"""How many programs are drawn; for a night, YARCLANG_ZONE_PROGRAMS=2000."""
+"""Number of programs that are drawn; for a night, YARCLANG_ZONE_PROGRAMS=2000."""
 
 PART = 50
-"""So many programs are one test, of which a share must compile."""
+"""Number of programs in one test. A certain share of them must compile."""
 
 BREACHES = {"Y0907", "Y0908", "Y0909", "Y0910"}
 STEP = 2e-5
-"""Velocities are differences over this time [s]."""
+"""Time step of the differences by which velocities are computed [s]."""
 
 
 def cell(random):
-    """Zones around the middle of the arm's work: some are broken, most aren't; and slow ones."""
+    """Return a cell with zones around the middle of the arm's workspace. Some of them are violated, most
+    aren't; some are slow ones.
+    """
     zones = [drawn_zone(random, f"Z{at}", str(random.choice(["forbidden", "allowed"]))) for at in range(2)]
     zones += [drawn_zone(random, f"S{at}", "slow", speed=float(random.uniform(0.05, 0.5))) for at in range(2)]
     if random.random() < 0.3:
@@ -52,7 +54,7 @@ def test_no_violation_is_certified(first):
 
 
 def look_for_a_violation(tally, seed):
-    """Hold one random program in random zones against clouds of points."""
+    """Compare one random program in random zones with clouds of points."""
     random = np.random.default_rng(seed + 5008)
     name = ("INDUSTRIAL6", "TRACKED_MANIPULATOR")[seed % 2]
     robot = load_robot(name).value
@@ -65,7 +67,7 @@ def look_for_a_violation(tally, seed):
     tally.count("refused for a zone", value is None and codes <= BREACHES)
     if value is None:
         assert codes
-        # a plan never leaves to the certificate what slow zones ask
+        # A plan always respects the speeds of slow zones, so the certificate never finds a violation.
         assert "Y0911" not in codes, text
         if codes <= BREACHES:
             _has_a_breach(robot, around, text, name, random)
@@ -95,8 +97,8 @@ def look_for_a_violation(tally, seed):
 
 
 def _has_a_breach(robot, around, text, name, random):
-    """What is refused for its zones only does break them: without them it compiles, and some point is
-    where it mustn't be, or near.
+    """Check that a program that is refused only for its zones violates them. Without the zones it compiles,
+    and some point is where it must not be, or near.
     """
     bare = type(around)(around.source, {}, {}, {}, {}, around.obstacles, (), {})
     value, found = compiled(text, name, load_cell=lambda *_: Result(bare, ()))
@@ -116,7 +118,7 @@ def _has_a_breach(robot, around, text, name, random):
 
 
 def _room(zone, points):
-    """How far points stay inside or outside of a zone [m], by shrinking and growing it."""
+    """Return how far points are inside or outside of a zone, as the rule requires [m]."""
     from yarclang.collision.zones.regions import outside
 
     far = outside(zone.region, points)

@@ -1,4 +1,4 @@
-"""The largest speed in a slow zone: never below what fine samples show, and sharp."""
+"""Tests of the largest speed in a slow zone: it is never below that of fine samples, and sharp."""
 
 from dataclasses import replace
 
@@ -16,7 +16,7 @@ from yarclang.collision.zones.workspace import watches_of
 from yarclang.robot.description import load_robot
 
 STEP = 1e-5
-"""Velocities of clouds are differences over this time [s]."""
+"""Time step of the differences by which velocities of clouds are computed [s]."""
 
 
 def slowed(random):
@@ -55,7 +55,7 @@ def test_no_speed_is_missed(seed):
 
 @pytest.mark.parametrize("seed", range(6))
 def test_it_is_sharp(seed):
-    """All of space is slow: the largest speed of a point is that of fine samples."""
+    """If the zone is the whole space, the largest speed of a point equals that of fine samples."""
     random = np.random.default_rng(seed)
     robot = load_robot("INDUSTRIAL6").value
     everywhere = Zone("ALL", "slow", HalfSpace(np.array([0, 0, 1.0]), -9.0), speed=0.25, watch=("tcp",))

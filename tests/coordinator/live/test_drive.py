@@ -1,4 +1,4 @@
-"""Live motions against the simulator in virtual time."""
+"""Tests of live motions against the simulator, in virtual time."""
 
 import asyncio
 from dataclasses import replace
@@ -24,7 +24,7 @@ def joint(number, speed):
 
 
 async def keep(drive, target, seconds, rate=50.0):
-    """Say for a while what is wanted."""
+    """Send a target repeatedly for a time."""
     loop = asyncio.get_running_loop()
     until = loop.time() + seconds
     while loop.time() < until and drive.alive:
@@ -56,7 +56,7 @@ def test_a_joint_is_jogged_as_long_as_it_is_wanted():
 
 
 def within_limits(world, since, speed=0.25):
-    """Every velocity, acceleration and tool speed of the recorded motion, outside of holds."""
+    """Check each velocity, acceleration and tool speed of the recorded motion, except during holds."""
     from yarclang.robot.actuation import from_counts
     from yarclang.robot.kinematics.fk import tool_poses
 
@@ -207,7 +207,7 @@ xyz = [0, 0, 1600]
 
 @pytest.mark.parametrize(
     ("way", "why"),
-    [([0.2, 0.0, 0.0], "too near to WALL"), ([0.0, 0.0, -0.2], "the zone FLOOR would be broken")],
+    [([0.2, 0.0, 0.0], "too close to WALL"), ([0.0, 0.0, -0.2], "the zone FLOOR would be violated")],
 )
 def test_it_rests_in_front_of_what_is_around_it_and_goes_away_from_it(tmp_path, way, why):
     (tmp_path / "cell.toml").write_text(CELL)
@@ -243,7 +243,7 @@ def test_a_master_is_followed_with_bounded_lag():
             def master(now):
                 phase = 2.0 * np.pi * 0.2 * (now - since)
                 swing = np.array([8.0, 3.0, 3.0, 0.0, 5.0, 0.0]) * DEG
-                # from rest: the amplitude grows in a second
+                # The amplitude grows within a second, so that the motion begins at rest.
                 grown = min(1.0, (now - since) ** 2)
                 return start + grown * swing * np.sin(phase), grown * swing * np.cos(
                     phase
@@ -296,7 +296,9 @@ def test_a_process_that_sleeps_is_held_by_the_guard():
             drive = (await client.live.drive(joint(1, 5.0))).value
             await keep(drive, joint(1, 5.0), 1.0)
             slow = world.delay
-            world.delay = lambda: 0.6  # less than a reply may take, more than lies ahead
+            # this delay is less than the longest allowed time of a reply, but more than the duration of the
+            # buffered lines
+            world.delay = lambda: 0.6
             await asyncio.sleep(1.5)
             world.delay = slow
             await drive.ended()
@@ -339,7 +341,7 @@ def test_a_live_motion_is_logged(tmp_path):
     assert found.value is not None, found.diagnostics
     assert not [one for one in found.diagnostics if one.is_error]
     (told,) = planned_motion(found.value).diagnostics
-    assert "there was no plan to draw it beside" in told.message
+    assert "this run was a jog or followed a master, and has no plan to compare with" in told.message
 
 
 def test_what_cannot_be_driven():
@@ -379,7 +381,9 @@ def test_a_master_that_goes_on_speaking_does_not_undo_a_stop(order):
             want = wants.MoveJoints(velocity={"J1": 5.0})
 
             async def goes_on(times):
-                """Whether it was denied, and whether anything moved."""
+                """Send the target several times. Return two values: True if it was denied, and True if
+                anything moved.
+                """
                 denied = moved = False
                 for _ in range(times):
                     try:
@@ -394,7 +398,7 @@ def test_a_master_that_goes_on_speaking_does_not_undo_a_stop(order):
             other.send(order)
             await world.until(lambda: not coordinator.under_way)
             assert await goes_on(100) == (True, False)
-            await master.ask(wants.Finish())  # it knows now
+            await master.ask(wants.Finish())  # now the master accepts the stop
             assert await goes_on(20) == (False, True)
 
     run(session())

@@ -1,5 +1,5 @@
-"""Control points of live motions: limits hold for all inputs, what is wanted is reached, and rest always
-is.
+"""Tests of the control points of live motions. For all inputs they respect the limits, reach the requested
+velocity, and can come to rest.
 """
 
 import numpy as np
@@ -48,7 +48,8 @@ def test_rest_is_always_reached_and_soon(changes):
     states = driven(changes)
     rest = to_rest(states[-1], RATES, H)
     assert (rest or states)[-1].rests
-    # the slowest joint from its largest speed and against its largest acceleration, twice
+    # Upper bound: the slowest joint brakes from its largest speed, with its largest acceleration in the wrong
+    # direction at first. Twice this time is allowed.
     longest = 2.0 * (RATES.velocity / RATES.acceleration + 2.0 * RATES.acceleration / RATES.jerk).max()
     assert len(rest) * H <= longest
 

@@ -1,4 +1,4 @@
-"""How live motions begin: at once, from where the robot stands, and only from there."""
+"""Tests of the beginning of live motions: at once, from the robot's position, and from no other position."""
 
 import asyncio
 import re
@@ -23,10 +23,12 @@ from yarclang.robot.actuation import from_counts, to_counts
 from yarclang.simulator.commissioning import stand
 
 QUICK = (Phase.explicit, Phase.reuse, Phase.generate)
-"""To shrink a session takes longer than to read it."""
+"""Phases without shrinking: shrinking a session takes longer than reading it."""
 
 SOON = 0.02
-"""From a key to the first motion, where replies take 0.5 ms at most and planning takes no time [s]."""
+"""Longest allowed time from a key to the first motion [s], if replies take at most 0.5 ms and planning takes
+no time.
+"""
 
 
 def turning(speed):
@@ -36,7 +38,7 @@ def turning(speed):
 
 
 async def first_motion(world, client, speed):
-    """Jog a joint; how long from the key to when a motor has moved by two counts [s], and the drive."""
+    """Jog a joint. Return the time from the key until a motor has moved by two counts [s], and the drive."""
     before, loop = world.machine.positions(motors=[1]), asyncio.get_running_loop()
     begun = loop.time()
     drive = asyncio.ensure_future(client.live.drive(turning(speed)))
@@ -50,7 +52,9 @@ async def first_motion(world, client, speed):
 
 
 def test_a_jog_moves_at_once_behind_whatever_was_before():
-    """The controller would take 94 ms for a RAPID over a fraction of a count."""
+    """A jog moves at once, whatever motion came before. It doesn't begin with a RAPID, which would take 94 ms
+    even over a fraction of a count.
+    """
 
     async def session():
         async with coordinating(joints=START) as (world, _, client):
@@ -59,7 +63,7 @@ def test_a_jog_moves_at_once_behind_whatever_was_before():
             assert took < SOON
             for _ in range(3):
                 await asyncio.sleep(0.1)
-                drive.stop()  # a hold: between two counts
+                drive.stop()  # the hold stops the robot between two counts
                 await drive.ended()
                 await asyncio.sleep(0.1)
                 took, drive = await first_motion(world, client, -5.0)
@@ -68,7 +72,7 @@ def test_a_jog_moves_at_once_behind_whatever_was_before():
             await drive.ended()
             await done(client, "DMOVEJ 1 0 0 0 0 0 [1] (deg,s)")
             written = "\0".join(line for _, _, line in world.lines).split("\0")
-            assert written.count("RAPID") == 2  # of both commands
+            assert written.count("RAPID") == 2  # one for each of the two commands, none for the jogs
 
     run(session())
 
@@ -79,8 +83,8 @@ BESIDE = st.lists(st.floats(-0.5, 0.5), min_size=6, max_size=6)
 
 @contextmanager
 def admitted():
-    """Where live motions begin, and all lines that their judges admit: their control points, in order [rad
-    or m].
+    """Return the position at which a live motion begins, and the control points of all lines that its judge
+    admits, in order [rad or m].
     """
     points = []
 
@@ -103,8 +107,8 @@ def admitted():
 @settings(max_examples=12, deadline=None, phases=QUICK)
 @given(BESIDE, SPEEDS, st.sampled_from([0.004, 0.01, 0.02, 0.05]))
 def test_what_moves_is_what_was_proved(beside, speeds, segment):
-    """Wherever between two counts the motors stand: from the first instant on the robot is on the proved
-    curve, to a step of the registers.
+    """Wherever between two counts the motors stand, the robot is on the proved curve from the first instant
+    on, to a step of the registers.
     """
 
     async def session(points):
@@ -133,7 +137,9 @@ def test_what_moves_is_what_was_proved(beside, speeds, segment):
 
 @pytest.mark.parametrize(("moved", "begins"), [(0.0, True), (1e-4, True), (3.0, False), (-40.0, False)])
 def test_it_begins_only_where_it_was_proved_from(moved, begins):
-    """Somebody else moves motor 1 by some counts while the motion is planned."""
+    """Motor 1 is moved by some counts while the live motion is planned. Then the motion begins only within
+    the slack of the proof.
+    """
 
     async def session():
         async with coordinating(joints=START) as (world, coordinator, client):
@@ -164,7 +170,9 @@ def test_it_begins_only_where_it_was_proved_from(moved, begins):
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 def test_who_stands_at_a_limit_may_leave_it(side):
-    """To a step of the registers it is past the limit, perhaps."""
+    """A robot at a limit may jog away from it, even if it is beyond the limit by up to a step of the
+    registers.
+    """
 
     async def session():
         at = np.array([170.0 * side, *START[1:]])
@@ -186,8 +194,8 @@ def test_who_stands_at_a_limit_may_leave_it(side):
 
 
 def test_where_a_command_has_ended_nearly_is_not_where_a_jog_begins():
-    """A command begins where the one before was planned to end, if it stands there to a count; a jog where
-    it stands.
+    """A command begins at the planned end of the previous command if the robot is within one count of it. A
+    jog begins at the robot's own position.
     """
 
     async def session():
@@ -205,7 +213,7 @@ def test_where_a_command_has_ended_nearly_is_not_where_a_jog_begins():
 
 
 def jerking(share):
-    """Points from rest to rest: J1 with some share of its jerk limit, and no rounding to speak of."""
+    """Return points from rest to rest at which J1 uses a share of its jerk limit, with almost no rounding."""
     robot, _ = judge_at()
     step = share * robot.limits.jerk[0] * H**3 / robot.axis_units[0]
     third = np.concatenate([[1, 0, -1, -1, 0, 1], np.zeros(3)]) * step
@@ -215,8 +223,8 @@ def jerking(share):
 
 
 def test_what_the_start_may_be_off_by_counts_where_it_matters():
-    """Near the limit of jerk there is no room for a robot that stands beside its start; behind the start
-    there is.
+    """The possible deviation of the start matters only for the first segments: a motion at 99 % of the jerk
+    limit is refused there, and accepted later.
     """
     robot, judge = judge_at()
     assert judge.objection(text(robot, jerking(0.9)), ()) == ""
@@ -230,7 +238,7 @@ def test_what_the_start_may_be_off_by_counts_where_it_matters():
 @settings(max_examples=25, deadline=None, phases=QUICK)
 @given(st.lists(st.floats(-1.0, 1.0), min_size=6, max_size=6), SPEEDS, st.sampled_from([0.1, 1.0, 20.0]))
 def test_all_limits_are_kept_from_wherever_it_may_begin(off, speeds, faster):
-    """Whatever of its slack the robot stands beside the start, what was admitted keeps the whole limits."""
+    """An admitted text respects the full limits for each start position within the slack."""
     robot, judge = judge_at()
     rates, limits = rates_of(robot), robot.limits
     start, tool = START * robot.axis_units, robot.flange_from_frame["TCP"]

@@ -1,5 +1,5 @@
-"""The judge of live motions knows nothing of the generator: it refuses whatever breaks a limit, on the
-printed numbers.
+"""Tests of the judge of live motions. It refuses each text that breaks a limit, by the printed numbers and
+without the generator.
 """
 
 import numpy as np
@@ -40,7 +40,7 @@ def text(robot, points):
 
 
 def along(joint, way, count):
-    """Points of a quintic from rest to rest."""
+    """Return points of a quintic from rest to rest."""
     u = np.linspace(0.0, 1.0, count)
     points = np.tile(START, (count, 1))
     points[:, joint - 1] += way * (10 * u**3 - 15 * u**4 + 6 * u**5)
@@ -91,7 +91,9 @@ def test_it_remembers_what_was_admitted():
 
 @pytest.mark.parametrize("seed", range(4))
 def test_whatever_is_wanted_the_whole_text_keeps_the_limits(seed):
-    """A second look at all of it together, by the closed forms of the certificate."""
+    """Whatever targets are sent, the whole text respects the limits. This is checked at once for all lines,
+    by the closed forms of the certificate.
+    """
     robot, judge = judge_at()
     rates, random = rates_of(robot), np.random.default_rng(seed)
     tool = robot.flange_from_frame["TCP"]

@@ -1,4 +1,6 @@
-"""Room around joint positions: what is in it is free, whoever looks."""
+"""Tests of free rooms around joint positions: all positions in a free room are free by an
+independent check.
+"""
 
 import numpy as np
 from floors import exercises
@@ -25,7 +27,7 @@ SIX = st.lists(UNIT, min_size=6, max_size=6).map(np.array)
 
 
 def posture(shares):
-    """Joint positions, of shares of the limits."""
+    """Return joint positions that are given as shares of the joints' ranges."""
     limits = ROBOT.limits
     return (limits.upper + limits.lower) / 2.0 + shares * (limits.upper - limits.lower) / 2.0
 
@@ -56,7 +58,9 @@ def test_there_is_none_where_bodies_are_near():
 @settings(max_examples=12, deadline=None, phases=(Phase.explicit, Phase.reuse, Phase.generate))
 @given(SIX, st.lists(SIX, min_size=1, max_size=4))
 def test_a_live_motion_that_was_admitted_is_free_for_who_looks_at_all_of_it(tally, shares, wanted):
-    """Links come near to each other, so that there is room now and then."""
+    """An admitted live motion is free by an independent check of the whole motion. In these motions links
+    come near to each other, so the proof by a room sometimes works and sometimes fails.
+    """
     start, h, tool = posture(shares), 0.02, ROBOT.flange_from_frame["TCP"]
     assume(SPACE.has(start))
     judge, rates = Judge(ROBOT, start, h, 0.5, tool, SCENE, points=LIVE.points), rates_of(ROBOT)

@@ -1,4 +1,4 @@
-"""A master in another process, over a real socket and in slowed time, against the simulator."""
+"""Tests of a master in another process, through a real socket and in slowed time, against the simulator."""
 
 import asyncio
 import json
@@ -18,7 +18,7 @@ from yarclang.simulator.commissioning import stand
 from yarclang.simulator.network.embedded import EmbeddedSimulator
 
 PACE = 0.25
-"""The simulator's time passes so much slower: a computer with much to do isn't too late."""
+"""Speed of the simulator's time relative to real time, slow enough for a busy computer."""
 
 READY = np.array([0.0, 10.0, 10.0, 0.0, 40.0, 0.0])
 
@@ -62,12 +62,14 @@ def test_a_master_is_followed(door, connect, tmp_path):
                 assert answer["lag_s"] < 0.4
                 assert abs(answer["behind"]["J1"]) < 0.2
                 denied = await say(writer, reader, {"joints": [999, 0, 0, 0, 0, 0]})
-                assert denied == {"ok": False, "error": "J1 would be out of its limits", "code": "Y1616"}
-                # one at a time
+                assert denied == {"ok": False, "error": "J1 would exceed its limits", "code": "Y1616"}
+                # Only one process may steer at a time.
                 other, second = await connect(server)
-                assert json.loads(await other.readline())["error"] == "another process steers the robot"
+                assert (
+                    json.loads(await other.readline())["error"] == "another process already steers the robot"
+                )
                 second.close()
-                writer.close()  # the connection ends: the robot rests
+                writer.close()  # at the end of the connection, the robot comes to rest
                 until = time.monotonic() + 20.0
                 while coordinator.under_way:
                     assert time.monotonic() < until

@@ -1,5 +1,5 @@
-"""Who may steer a robot from outside: forged callers of all kinds against a robot that only notes what
-reaches it.
+"""Tests of the right to steer a robot from another process: all kinds of forged callers, and a fake robot
+that only records what it gets.
 """
 
 import asyncio
@@ -28,11 +28,11 @@ ORDER = b'{"velocity": {"J1": 10}}\n'
 
 
 class Robot:
-    """What a server needs of an attached client: it takes all that it is told.
+    """Fake client for a server that records all targets.
 
     Attributes:
-        drives: what was wanted of each motion that somebody has begun.
-        alive: whether the last one goes on.
+        drives: targets of each motion that was begun.
+        alive: True while the last motion goes on.
     """
 
     def __init__(self):
@@ -53,7 +53,7 @@ class Robot:
 
 
 class Fellow:
-    """A caller that says what it likes."""
+    """A caller that can send any bytes."""
 
     def __init__(self, reader, writer):
         self.reader, self.writer = reader, writer
@@ -68,7 +68,7 @@ class Fellow:
             return json.loads(await self.reader.readline())
 
     async def hears_the_end(self):
-        """Whether the connection is closed, and nothing but an end comes."""
+        """Return True if the connection is closed without further data."""
         async with asyncio.timeout(10):
             try:
                 return await self.reader.read() == b""
@@ -90,7 +90,7 @@ async def called(server):
 
 
 async def let_in(server):
-    """A caller that has shown that it may steer."""
+    """Return a caller that has proved its right to steer."""
     fellow = await called(server)
     if server.path is None:
         assert await fellow.ask(token(server)) == {"ok": True}
@@ -102,8 +102,8 @@ def token(server):
 
 
 def meeting(work, door, patience=QUICK):
-    """Do some work with a server that listens at a door; the robot behind it, and how long the event loop
-    was busy at most [s].
+    """Run a test with a server that listens at a door. Return the fake robot, and the longest time for which
+    the event loop was busy [s].
     """
 
     async def whole():
@@ -131,7 +131,7 @@ both = pytest.mark.parametrize("door", [UnixDoor(), TcpDoor()], ids=["unix", "tc
 def test_a_token_is_long_and_never_the_same():
     tokens = {TcpDoor().token for _ in range(100)}
     assert len(tokens) == 100
-    assert min(map(len, tokens)) >= 43  # 256 bits, 6 a character
+    assert min(map(len, tokens)) >= 43  # 256 bits, with 6 bits for each character
     assert TcpDoor().token not in repr(TcpDoor())
 
 
@@ -178,7 +178,9 @@ def test_a_unix_socket_is_for_its_owner_alone():
 
 
 def test_the_kernel_is_asked_for_the_callers_user(monkeypatch):
-    """Whoever may open the file, by a mistake with its rights or with a folder, isn't let in for that."""
+    """A caller of another user is refused even if it can open the socket's file, for example because of wrong
+    permissions.
+    """
 
     async def work(server):
         monkeypatch.setattr(os, "getuid", lambda: 4711)
@@ -235,13 +237,13 @@ REQUESTS = [
 @both
 @pytest.mark.parametrize("request_", REQUESTS)
 def test_a_web_page_moves_nothing(door, request_):
-    """Ten lines that aren't JSON, and then an order: that was enough."""
+    """A web page that sends ten lines that aren't JSON, and then an order, moves nothing."""
 
     async def work(server):
         fellow = await called(server)
         first = token(server) if server.path is None else b""
         answer = await fellow.ask(request_ + first + ORDER * 50)
-        assert answer == {"ok": False, "error": "this is no web server: a web page can't steer a robot"}
+        assert answer == {"ok": False, "error": "this isn't a web server: a web page can't steer a robot"}
         assert await fellow.hears_the_end()
 
     robot, _ = meeting(work, door)
@@ -257,7 +259,8 @@ def test_the_first_line_that_is_no_object_ends_it(door, line):
         fellow = await called(server)
         assert (await fellow.ask(line + ORDER))["ok"] is False
         assert await fellow.hears_the_end()
-        fellow = await let_in(server)  # a later line ends it as well
+        # such a line also ends the connection if it comes after an accepted order
+        fellow = await let_in(server)
         assert (await fellow.ask(ORDER))["ok"] is True
         assert (await fellow.ask(line + ORDER))["ok"] is False
         assert await fellow.hears_the_end()
@@ -316,11 +319,11 @@ def test_who_says_nothing_is_sent_away(door):
     async def work(server):
         mute, silent = await called(server), await let_in(server)
         since = time.monotonic()
-        assert (await mute.hear())["error"] == "nothing was said for 0.4 s"
+        assert (await mute.hear())["error"] == "no line was received for 0.4 s"
         assert await mute.hears_the_end()
         assert time.monotonic() - since < 5.0
         if server.path is None:
-            assert (await silent.hear())["error"] == "nothing was said for 0.6 s"
+            assert (await silent.hear())["error"] == "no line was received for 0.6 s"
         assert (await (await let_in(server)).ask(ORDER))["ok"] is True
         silent.close()
 
@@ -338,7 +341,7 @@ def test_a_byte_at_a_time_wins_no_time(door):
                 await fellow.writer.drain()
                 with contextlib.suppress(TimeoutError):
                     async with asyncio.timeout(0.02):
-                        assert b"nothing was said" in await fellow.reader.readline()
+                        assert b"no line was received" in await fellow.reader.readline()
                     break
         assert time.monotonic() - since < 3.0
 
@@ -354,9 +357,9 @@ def test_one_that_steers_is_sent_away_when_it_falls_silent(door):
         second = await called(server)
         if server.path is None:
             await second.say(token(server))
-        assert (await second.hear())["error"] == "another process steers the robot"
+        assert (await second.hear())["error"] == "another process already steers the robot"
         assert await second.hears_the_end()
-        assert (await first.hear())["error"] == "nothing was said for 0.6 s"
+        assert (await first.hear())["error"] == "no line was received for 0.6 s"
         assert (await (await let_in(server)).ask(ORDER))["ok"] is True
 
     robot, _ = meeting(work, door)
@@ -377,7 +380,9 @@ def test_who_has_not_said_the_token_takes_nobodys_place():
 
 @both
 def test_a_hundred_connections_cost_little(door):
-    """The oldest of those that wait gives way, so that who comes and says at once what is right gets in."""
+    """A hundred connections that send nothing need few resources. The oldest of them are closed, so that a
+    new caller that proves its right at once is served.
+    """
 
     async def work(server):
         many = [await called(server) for _ in range(100)]
@@ -385,11 +390,11 @@ def test_a_hundred_connections_cost_little(door):
         assert len(server._waiting) <= server._patience.waiting
         steering = await let_in(server)
         assert (await steering.ask(ORDER))["ok"] is True
-        assert (await many[0].hear())["error"] == "too many processes wait to steer the robot"
+        assert (await many[0].hear())["error"] == "too many processes are waiting to steer the robot"
         more = [await called(server) for _ in range(100)]
         assert (await steering.ask(ORDER))["ok"] is True
         if server.path is not None:
-            assert (await more[0].hear())["error"] == "another process steers the robot"
+            assert (await more[0].hear())["error"] == "another process already steers the robot"
         for one in (*many, *more):
             one.close()
 
@@ -399,7 +404,7 @@ def test_a_hundred_connections_cost_little(door):
 
 @both
 def test_lines_without_end_leave_the_event_loop_alone(door):
-    """The process that is steered streams to the controller in the same event loop."""
+    """Endless lines don't block the event loop, which also streams to the controller."""
 
     async def work(server):
         fellow = await let_in(server)
@@ -432,7 +437,9 @@ def test_who_does_not_read_is_closed_all_the_same(door):
 
 
 def lasting(path):
-    """Return what a look at a path doesn't change: following a link counts as an access to it."""
+    """Return the attributes of a path that reading doesn't change. (Following a link counts as an access to
+    it.)
+    """
     found = path.lstat()
     return found.st_ino, found.st_mode, found.st_uid, found.st_size, found.st_mtime_ns, found.st_ctime_ns
 

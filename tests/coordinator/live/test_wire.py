@@ -1,4 +1,6 @@
-"""What another process says to steer the robot: read, or denied with a reason; nothing is raised."""
+"""Tests of the lines by which another process steers the robot: each is read, or denied with a reason. No
+line raises an exception.
+"""
 
 import json
 
@@ -33,7 +35,7 @@ def read(content, now=0.0, at=None):
 
 
 def read_line(line, now=0.0, at=None):
-    """What a line wants: a target, Finish, or Denied."""
+    """Return the meaning of a line: a target, Finish, or Denied."""
     want = read_order(line, MOST_LINE).what
     if not isinstance(want, Want) or isinstance(want, Finish):
         return want
@@ -81,11 +83,11 @@ def test_a_velocity_is_estimated_of_what_a_master_has_said():
     ("content", "why"),
     [
         ({"joints": [1, 2, 3]}, "6 finite numbers"),
-        ({"joints": [1, 2, 3, 4, 5, "6"]}, "finite numbers, one a joint"),
-        ({"joints": [1, 2, 3, 4, 5, True]}, "finite numbers, one a joint"),
-        ({"joints": [500, 2, 3, 4, 5, 6]}, "J1 would be out of its limits"),
-        ({"joints": [1, 2, 3, 4, 5, 6], "rate": 3}, "finite numbers, one a joint"),
-        ({"joints": [1, 2, 3, 4, 5, 6], "speed": 3}, 'joints takes no "speed"'),
+        ({"joints": [1, 2, 3, 4, 5, "6"]}, "finite numbers, one per joint"),
+        ({"joints": [1, 2, 3, 4, 5, True]}, "finite numbers, one per joint"),
+        ({"joints": [500, 2, 3, 4, 5, 6]}, "J1 would exceed its limits"),
+        ({"joints": [1, 2, 3, 4, 5, 6], "rate": 3}, "finite numbers, one per joint"),
+        ({"joints": [1, 2, 3, 4, 5, 6], "speed": 3}, 'joints has no field "speed"'),
         ({"pose": [9000, 0, 0, 0, 0, 0]}, "out of reach by"),
         ({"pose": [0, 900, 1400, 180, 0, 0]}, "too far from the one before"),
         ({"pose": [0, 900, 1400]}, "six finite numbers"),
@@ -162,7 +164,7 @@ NEAR = st.one_of(
     st.fixed_dictionaries({"twist": SIX}, optional={"axes": st.sampled_from(["base", "tool", "world"])}),
     st.fixed_dictionaries({"finish": st.booleans()}),
 )
-"""What a master says, with numbers that may be beyond all bounds."""
+"""Messages of a master, with numbers of any size."""
 
 
 @exercises(master=0.01, velocity=0.01, twist=0.01, finish=0.0, denied=0.2)

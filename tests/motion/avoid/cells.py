@@ -1,4 +1,4 @@
-"""Cells for tests of ways round: a post before the arm, and walls."""
+"""Cells for tests of motions around obstacles: a post in front of the arm, and walls."""
 
 import numpy as np
 
@@ -26,7 +26,7 @@ WALL = (
     box("BACK_WALL", [0, -1.0, 1.5], [0.04, 1.4, 3.0]),
     box("LID", [0, 0, 2.9], [4.0, 4.0, 0.04]),
 )
-"""They part the room in two."""
+"""Walls that divide the room into two parts."""
 
 
 def cell_of(*obstacles):
@@ -38,5 +38,5 @@ def room(*obstacles):
 
 
 def loading(*obstacles):
-    """What finds the cell of a program."""
+    """Return a function that returns the cell of a program."""
     return lambda name, source: Result(cell_of(*obstacles))

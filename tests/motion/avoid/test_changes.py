@@ -1,4 +1,6 @@
-"""Poses that can't be taken: which change would help is said, and is true."""
+"""Tests of poses that can't be reached without a collision: the finding says which change would help, and the
+change does.
+"""
 
 import re
 
@@ -27,7 +29,7 @@ def said(text, *obstacles, robot="INDUSTRIAL6"):
 
 @pytest.fixture(scope="module")
 def ur5(tmp_path_factory):
-    """An arm with three parallel axes."""
+    """Fixture: the folder of an arm with three parallel axes."""
     name = next(name for name in REAL if "ur5" in name)
     folder = tmp_path_factory.mktemp("arm") / "ur5"
     file, arguments, _ = REAL[name]
@@ -36,13 +38,14 @@ def ur5(tmp_path_factory):
 
 
 def test_a_tool_that_points_the_wrong_way_is_the_cause(ur5):
-    """From below, through the table: of all configurations of a UR5 none is free."""
+    """The tool would point upwards, through the table. None of the UR5's configurations is free."""
     table = box("TABLE", [0.5, 0, 0.05], [0.6, 0.6, 0.1])
     text = "P0010 MOVEJ_RPY 500 0 120 0 0 0\n"
     (one,) = said(text, table, robot=ur5)
     assert one.code == "Y0925"
     assert one.help.startswith(
-        "the tool's z may point the wrong way: it would be free with the tool turned by 180 deg about its "
+        "the tool's z may point in the wrong direction: the pose would be free with the tool "
+        "turned by 180 deg about its "
         "x (500 0 120 180 0 0 in mm and deg)"
     )
     assert (one.fix.title, one.fix.by_choice) == ("turn the tool by 180 deg about its x", True)
@@ -54,7 +57,9 @@ def test_a_move_of_a_few_mm_is_said_with_its_numbers():
     table = box("TABLE", [0, 0.9, 0.75], [0.6, 0.6, 0.1])
     text = "FRAME {TABLE} 0 900 800 0 0 0\nP0010 MOVEJ_RPY 0 0 20 0 0 0 {TABLE}\n"
     (one,) = said(text, table)
-    assert one.help.startswith("it would be free 50 mm along z of the tool (0 0 70 0 0 0 in mm and deg); ")
+    assert one.help.startswith(
+        "the pose would be free 50 mm along z of the tool (0 0 70 0 0 0 in mm and deg); "
+    )
     assert said(text.replace("0 0 20", "0 0 70"), table) == []
 
 
@@ -62,7 +67,9 @@ def test_a_pose_that_no_change_frees_says_so():
     block = box("BLOCK", [0.9, 0, 0.9], [0.8, 0.8, 0.8])
     (one,) = said("P0010 MOVEJ_RPY 900 0 900 0 0 -90\n", block)
     assert one.fix is None
-    assert one.help.startswith("neither z reversed, nor a turn about z, nor a move of up to 50 mm frees it: ")
+    assert one.help.startswith(
+        "the pose stays blocked with z reversed, turned about z, and moved by up to 50 mm: "
+    )
 
 
 def test_what_isnt_written_as_numbers_has_no_fix(ur5):
@@ -92,7 +99,7 @@ def test_another_way_point_is_left_alone(ur5):
     table = box("TABLE", [0.5, 0, 0.05], [0.6, 0.6, 0.1])
     found = said("P0010 MOVEJ_SPLINE_RPY 500 0 400 180 0 0; 500 0 120 0 0 0\n", table, robot=ur5)
     assert [one.fix for one in found] == [None]
-    assert found[0].message.startswith("way-point 2: ")
+    assert found[0].message.startswith("waypoint 2: ")
     assert "180 deg about its x" in found[0].help
 
 
@@ -120,7 +127,7 @@ NUMBER = st.integers(-180, 180).map(lambda value: value / 2)
 )
 @settings(max_examples=120, deadline=None, suppress_health_check=[HealthCheck.filter_too_much])
 def test_what_is_said_to_help_helps(tally, at, turned, size):
-    """The pose that a fix writes is in reach, and free in some configuration."""
+    """The pose that a fix writes can be reached, and is free in some configuration."""
     numbers = " ".join(f"{value:g}" for value in (*at, *turned))
     text = f"P0010 MOVEJ_RPY {numbers}\n"
     around = box("AROUND", np.array(at) / 1e3 + [0, 0, -size / 2e3], [0.4, 0.4, size / 1e3])
@@ -129,7 +136,7 @@ def test_what_is_said_to_help_helps(tally, at, turned, size):
     if not found:
         return
     (one,) = found
-    helps = re.search(r"it would be (free|in reach) ", one.help)
+    helps = re.search(r"the pose would be (free|in reach) ", one.help)
     tally.count("fixed", one.fix is not None)
     assert (one.fix is not None) == (helps is not None)
     if one.fix is not None:

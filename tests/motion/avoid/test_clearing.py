@@ -1,4 +1,4 @@
-"""Lines of arms with spare joints go past bodies with an elbow that moves aside."""
+"""Tests of lines of arms with spare joints: the elbow moves aside, so that the line passes obstacles."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def panda(tmp_path_factory):
 
 
 def drawn_lines(robot, count, seed):
-    """Lines of 300 mm from joint positions near HOME."""
+    """Yield lines of 300 mm that begin near HOME."""
     rng = np.random.default_rng(seed)
     low, high = robot.limits.lower + 0.05, robot.limits.upper - 0.05
     for _ in range(count):
@@ -43,8 +43,8 @@ def drawn_lines(robot, count, seed):
 
 
 def test_a_post_in_the_way_of_the_elbow_is_passed(panda):
-    """Small posts where the upper arm would come: most are passed, and what is found is free, on the line,
-    and begins where the robot stands.
+    """Small posts are placed where the upper arm would be. Most of them are passed. The motion found is free,
+    on the line, and begins where the robot stands.
     """
     _, _, step = solver_and_goal(panda, FAR)
     scene = Solver(panda, cell_of(FAR)).room(step).scene
@@ -73,7 +73,7 @@ def test_a_post_in_the_way_of_the_elbow_is_passed(panda):
         np.testing.assert_array_equal(other.followed.q[0], path.followed.q[0])
         poses = path.frame.poses(other.followed.s)
         assert np.abs(flange_poses(panda.chain, other.followed.q) - poses).max() < 1e-8
-        # the path at any place, not only where it was followed
+        # Check the path everywhere, not only at the samples.
         assert np.abs(flange_poses(panda.chain, q) - path.frame.poses(s)).max() < 1e-3
     assert blocked >= 8, blocked
     assert passed >= 0.6 * blocked, (passed, blocked)
@@ -91,7 +91,7 @@ def test_a_line_that_is_free_stays_as_it_is(panda):
 
 
 def test_clearances_are_those_of_single_positions(panda):
-    """Many positions at once say what each says alone."""
+    """Many positions at once have the same clearances as each position alone."""
     _, _, step = solver_and_goal(panda, FAR)
     rng = np.random.default_rng(2)
     post = box("POST", [0.4, 0.1, 0.5], [0.1, 0.1, 0.1])
@@ -105,7 +105,7 @@ def test_clearances_are_those_of_single_positions(panda):
 
 
 def test_where_nothing_helps_the_line_is_as_it_was(panda):
-    """A body at the hand's own goal: no motion of the elbow takes the hand out of it."""
+    """An obstacle is at the goal of the hand, so moving the elbow doesn't help. The line stays as it was."""
     _, _, step = solver_and_goal(panda, FAR)
     done = 0
     for path, _ in drawn_lines(panda, 4, 3):
@@ -120,7 +120,10 @@ def test_where_nothing_helps_the_line_is_as_it_was(panda):
 
 
 def test_joint_positions_asked_together_are_as_free_as_alone(panda, monkeypatch):
-    """In their order, none after those that somebody asks for; full turns are asked once."""
+    """Joint positions that are checked together have the same results as alone. They are checked in order,
+    and hardly more of them than the requested results need. Of positions that differ by full turns, only one
+    is checked.
+    """
     rng = np.random.default_rng(4)
     post = box("POST", [0.3, 0.1, 0.5], [0.3, 0.3, 0.4])
     _, _, step = solver_and_goal(panda, post)

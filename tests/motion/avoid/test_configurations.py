@@ -1,4 +1,6 @@
-"""Configurations that aren't free are skipped where a pose's is chosen, and it is said."""
+"""Tests of choosing a configuration for a pose: configurations that aren't free are skipped, and a finding
+says so.
+"""
 
 from dataclasses import replace
 
@@ -25,7 +27,7 @@ FAR = box("FAR", [0, 5, 0], [0.1, 0.1, 0.1])
 
 
 def in_the_way():
-    """A box where only the nearest configuration has the elbow."""
+    """Return a box at the elbow of the nearest configuration, which other configurations don't touch."""
     from yarclang.collision.placing import place
     from yarclang.collision.scene import scene_of
     from yarclang.robot.description import load_robot
@@ -83,11 +85,11 @@ def test_a_way_point_of_a_spline_is_skipped_as_well():
     text = "P0010 MOVEJ_SPLINE_RPY 900 0 900 0 0 -90; 900 100 900 0 0 -90\n"
     _, found = planned(HEAD + text, load_cell=loading(SHELF))
     assert "Y0924" in codes(found)
-    assert any(one.message.startswith("way-point 1: ") for one in found)
+    assert any(one.message.startswith("waypoint 1: ") for one in found)
 
 
 def test_the_zones_count_too():
-    """A window of J1 without the nearest configuration."""
+    """A zone excludes the nearest configuration, by a window of J1."""
     (nearest,), _ = ends(GO, FAR)
     lower, upper = np.full(6, -np.inf), np.full(6, np.inf)
     if nearest[0] < 0.0:
@@ -115,7 +117,7 @@ def test_where_no_way_leads_to_the_nearest_the_next_is_taken(monkeypatch):
     (taken,), told = ends(GO.replace("RPY", "RPY_AVOID"), FAR)
     assert np.abs(taken - nearest).max() > 1.0
     assert codes(told) == ["Y0924"]
-    assert "no way to that was found" in told[0].message
+    assert "no free path to the nearest one was found" in told[0].message
 
 
 def test_zones_are_gone_round():

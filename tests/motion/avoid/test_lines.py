@@ -1,5 +1,7 @@
-"""MOVEL_AVOID: straight where the line is free, otherwise on straight legs around what is in the way, all of
-them proved; what is said where it can't be done; and a planner whose legs lead elsewhere."""
+"""Tests of MOVEL_AVOID: the motion is straight if the line is free, otherwise it consists of straight legs
+around the obstacles, all of them proved. Also tests of the findings if this is impossible, and of a planner
+with wrong legs.
+"""
 
 from dataclasses import replace
 
@@ -116,7 +118,7 @@ def test_an_offset_refuses_it_with_a_reason():
     [
         (f"P0020 MOVEL_AVOID {GO}", (box("AT_GOAL", [0.45, 0.85, 0.9], [0.3] * 3),), "Y0922", "AT_GOAL"),
         (f"P0020 MOVEL_AVOID {GO}", (box("AT_START", [-0.45, 0.85, 0.9], [0.3] * 3),), "Y0921", "AT_START"),
-        ("P0020 MOVEL_AVOID 450 850 900 90 0 0", (BOX,), "Y0409", "half a rev"),
+        ("P0020 MOVEL_AVOID 450 850 900 90 0 0", (BOX,), "Y0409", "180 deg"),
         ("P0020 MOVEL_AVOID 9450 850 900 -90 0 0", (BOX,), "Y0501", "reach"),
     ],
 )
@@ -142,7 +144,7 @@ def test_nothing_found_is_said_with_the_tries(monkeypatch):
     assert value is None
     (one,) = [one for one in found if one.is_error]
     assert one.code == "Y0923"
-    assert "tries, which doesn't prove that there is none: it came as far as" in one.message
+    assert "tries (one may still exist): the search came as far as" in one.message
     assert "WALL" in one.message
 
 
@@ -167,7 +169,7 @@ def judged(value, steps):
 
 
 def test_a_text_is_held_to_the_legs(proved):
-    """A text with a via pose that is moved, or with a leg cut out or in another order, is refused."""
+    """A text is refused if a via pose was moved, or if a leg was left out or is in another order."""
     first, one, two, *rest = steps = list(proved.plan.program.steps)
     assert judged(proved, steps) == []
     assert judged(proved, [first, moved(one, [0, 0, 2e-3]), two, *rest])

@@ -1,5 +1,5 @@
-"""MOVEJ_AVOID in programs: certified with every profile and time, in chains, to poses; its fixes, and what
-is said where it can't be done.
+"""Tests of MOVEJ_AVOID in programs: with each profile and time, in chains, to poses, with its fixes, and the
+findings if it is impossible.
 """
 
 import numpy as np
@@ -136,7 +136,7 @@ def test_nothing_found_is_said_with_the_samples(monkeypatch):
     assert value is None
     (one,) = found
     assert one.code == "Y0923"
-    assert "no way round was found in 60 tries, which doesn't prove that there is none" in one.message
+    assert "no free path was found in 60 tries (one may still exist)" in one.message
     assert "WALL" in one.message
 
 

@@ -1,5 +1,5 @@
-"""Where there is no way, or none is found: zones that part start and target are seen at once, and a search
-that failed says how far it came.
+"""Tests of motions that don't exist, or aren't found. Zones that separate start and target are recognized at
+once, and a search that fails reports how far it got.
 """
 
 from dataclasses import replace
@@ -34,7 +34,7 @@ FEW = (Effort(0.01, 0.05, 60, 1), Effort(0.001, 0.05, 60, 2))
 
 
 def curtain(size, *obstacles, xyz=(0.0, 0.9, 1.0), posture=None, watch=("tcp",)):
-    """A room with a zone that the tool must not enter."""
+    """Return a room with a zone that the tool must not enter."""
     placed = np.eye(4)
     placed[:3, 3] = xyz
     region = ShapeRegion(constant(placed), Box(np.array(size, float)))
@@ -51,8 +51,8 @@ def test_a_zone_that_the_arm_cannot_reach_past_is_seen_without_a_search(monkeypa
     assert said[:2] == (
         "Y0923",
         (
-            "there is no way to the joint positions of the target: zone CURTAIN, which the arm can't reach "
-            "past, lies between where {TCP} is and where it shall be"
+            "no path exists to the joint positions of the target: zone CURTAIN "
+            "separates the positions of {TCP} at start and target, and the arm can't reach past the zone"
         ),
     )
 
@@ -63,11 +63,11 @@ WINDOW = JointWindow(constant(np.full(6, -0.1)), constant(np.full(6, 0.1)))
 @pytest.mark.parametrize(
     "around",
     [
-        {"size": [0.1, 20.0, 2.5]},  # there is room above
-        {"size": [0.1, 2.0, 20.0]},  # and behind the arm
-        {"size": [0.1, 20.0, 20.0], "xyz": (3.0, 0.0, 0.0)},  # beyond both
-        {"size": [3e-5, 20.0, 20.0]},  # too thin to be told from none
-        {"size": [0.1, 20.0, 20.0], "posture": WINDOW},  # allowed in a posture
+        {"size": [0.1, 20.0, 2.5]},  # there is room above it
+        {"size": [0.1, 2.0, 20.0]},  # there is room behind the arm
+        {"size": [0.1, 20.0, 20.0], "xyz": (3.0, 0.0, 0.0)},  # it isn't between start and target
+        {"size": [3e-5, 20.0, 20.0]},  # so thin that it counts as no zone
+        {"size": [0.1, 20.0, 20.0], "posture": WINDOW},  # the tool may enter it in a certain posture
     ],
 )
 def test_what_leaves_room_is_no_barrier(around):
@@ -104,7 +104,7 @@ def test_a_search_that_failed_says_how_far_it_came(monkeypatch):
     assert isinstance(why, NoWay)
     assert why.tries == 120
     far = why.furthest
-    assert worst(far.q[None], *WALL) > 0.0  # it was really reached
+    assert worst(far.q[None], *WALL) > 0.0  # this position is free
     assert {"WALL", "BACK_WALL", "LID"} & set(far.blocked.names)
     sides = flange_poses(ROBOT.chain, np.stack([far.q, LEFT, RIGHT]))[:, 0, 3]
     assert np.sign(sides[0]) == np.sign(sides[1]) == -np.sign(sides[2])  # on the start's side of the wall
@@ -114,13 +114,13 @@ def test_a_search_that_failed_says_how_far_it_came(monkeypatch):
     assert np.array_equal(again.q, far.q)
     assert (again.blocked.names, again.blocked.distance) == (far.blocked.names, far.blocked.distance)
     message = no_way(ROBOT, why, ORIGIN)[1]
-    assert "found in 120 tries, which doesn't prove that there is none: it came as far as " in message
-    assert f"{far.left * 1e3:.0f} mm from the target; from there on " in message
+    assert "found in 120 tries (one may still exist): the search came as far as " in message
+    assert f"{far.left * 1e3:.0f} mm from the target; beyond, " in message
 
 
 def test_a_zone_that_stops_a_search_is_named(monkeypatch):
     monkeypatch.setattr(ways, "EFFORTS", FEW[:1])
-    # a window of two joints that leaves only a slit, which few tries don't find
+    # The window of two joints leaves only a narrow gap, which a few attempts don't find.
     lower, upper = np.full(6, -np.inf), np.full(6, np.inf)
     lower[0], upper[0], upper[1] = -0.2, 0.2, ROBOT.limits.upper[1] - 0.02
     zone = Zone("GATE", "forbidden", JointWindow(constant(lower), constant(upper)))
@@ -128,7 +128,7 @@ def test_a_zone_that_stops_a_search_is_named(monkeypatch):
     why = find_way(around, LEFT, RIGHT)
     assert isinstance(why, NoWay)
     assert why.furthest.blocked.names == ("the joints", "GATE")
-    assert "from there on the joints break the zone GATE" in no_way(ROBOT, why, ORIGIN)[1]
+    assert "beyond, the joints break the zone GATE" in no_way(ROBOT, why, ORIGIN)[1]
 
 
 def test_a_way_with_corners_that_becomes_no_curve_is_said(monkeypatch):
@@ -136,7 +136,7 @@ def test_a_way_with_corners_that_becomes_no_curve_is_said(monkeypatch):
     why = find_way(room(POST), LEFT, RIGHT)
     assert why.has_corners
     message = no_way(ROBOT, why, ORIGIN)[1]
-    assert "there is a way with corners, but no smooth one along it was proved to be free" in message
+    assert "a path with corners is free, but no smooth path along it was proved to be free" in message
     assert "POST" in message
 
 
@@ -153,8 +153,8 @@ def test_what_is_in_the_way_from_there_on_is_in_words(blocked, said):
     why = NoWay(furthest=Furthest(np.radians([10.0, 20.0, 0.0, -30.04, 0.0, 0.0]), 0.31, blocked), tries=60)
     message = no_way(ROBOT, why, ORIGIN)[1]
     assert message == (
-        "no way round was found in 60 tries, which doesn't prove that there is none: "
-        f"it came as far as 10 20 0 -30 0 0 (deg), 310 mm from the target; from there on {said}"
+        "no free path was found in 60 tries (one may still exist): "
+        f"the search came as far as 10 20 0 -30 0 0 (deg), 310 mm from the target; beyond, {said}"
     )
 
 
@@ -165,13 +165,13 @@ def test_among_many_bodies_a_search_ends_early_and_says_so(monkeypatch):
     assert 0 < why.tries < 500
     _, message, _, help_, _ = no_way(ROBOT, why, ORIGIN)
     assert f"in {why.tries} tries" in message
-    assert help_.endswith("the search has ended early, and --avoid-effort 4 goes on four times as long")
+    assert help_.endswith("the search was cut short: --avoid-effort 4 searches four times as long")
     assert find_way(room(*WALL), LEFT, RIGHT, searches=4).tries > why.tries
     monkeypatch.setattr(ways, "EFFORTS", FEW)
     monkeypatch.setattr(ways, "MOST_LOOKS", 300_000)
     whole = find_way(room(*WALL), LEFT, RIGHT)
     assert not whole.is_cut
-    assert "early" not in no_way(ROBOT, whole, ORIGIN)[3]
+    assert "cut short" not in no_way(ROBOT, whole, ORIGIN)[3]
 
 
 def test_more_bodies_cost_more_looks():

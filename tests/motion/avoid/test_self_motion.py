@@ -1,5 +1,5 @@
-"""An arm with seven joints moves out of the way with its flange at rest, before a pose is said to be
-blocked.
+"""Tests of an arm with seven joints: before a pose counts as blocked, the arm moves aside while its flange
+rests.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ def panda(tmp_path_factory):
 
 
 def solver_and_goal(panda, obstacle):
-    """A solver among bodies, and the pose at which the robot stands."""
+    """Return a solver with an obstacle, and the pose at which the robot stands."""
     text = (
         f'ROBOT "{panda.folder}"\n'
         f"DEFAULT {{FLANGE}} [MIN] (mm,deg,s) {{B}}\n"
@@ -43,7 +43,7 @@ def solver_and_goal(panda, obstacle):
 
 
 def at_the_elbow(panda, q):
-    """A small box where a link has its middle at a joint position."""
+    """Return a small box in the middle of a link at given joint positions."""
     scene = scene_of(panda, cell_of(box("FAR", [0, 5, 0], [0.1, 0.1, 0.1]))).value
     placed = place(scene, q[None])
     names = [body.name for body in scene.bodies]
@@ -52,7 +52,7 @@ def at_the_elbow(panda, q):
 
 
 def test_it_is_searched_before_a_pose_is_blocked(panda, monkeypatch):
-    """As if the search had found one solution: the self-motion leads from it to others."""
+    """The search finds only one solution, which is blocked. The self-motion leads from it to a free one."""
     post = at_the_elbow(panda, panda.home)
     solver, goal, step = solver_and_goal(panda, post)
     monkeypatch.setattr(solving, "nearest_solutions", lambda *_, **__: Solutions(panda.home[None]))
@@ -63,7 +63,7 @@ def test_it_is_searched_before_a_pose_is_blocked(panda, monkeypatch):
     assert codes(findings.found) == ["Y0924"]
     assert room.obstruction(q) is None
     np.testing.assert_allclose(flange_poses(panda.chain, q[None])[0], goal.base_from_moving, atol=1e-9)
-    # with a wall in which no position of the arm is free, it is blocked as before
+    # If no position of the self-motion is free, the pose counts as blocked.
     monkeypatch.setattr(solving, "self_motion", lambda *_: np.empty((0, 7)))
     findings = Collector(step.origin.source)
     solver.chosen(goal, panda.home, step, findings)
@@ -71,7 +71,9 @@ def test_it_is_searched_before_a_pose_is_blocked(panda, monkeypatch):
 
 
 def test_the_very_position_in_which_it_stands(panda, monkeypatch):
-    """The search gives another one, which is blocked: where the robot stands is asked as well."""
+    """The search finds another solution, which is blocked. The robot's present position is checked as well,
+    and is free.
+    """
     chain, limits = panda.chain, panda.limits
     pose = flange_poses(chain, panda.home[None])[0]
     samples = solving.self_motion(chain, limits, pose, panda.home[None])
@@ -87,7 +89,9 @@ def test_the_very_position_in_which_it_stands(panda, monkeypatch):
 
 
 def test_full_turns_are_asked_once(panda, monkeypatch):
-    """What bodies do is the same a full turn on; what zones say isn't asked of it."""
+    """Positions that differ by full turns have the same collisions, so only one of them is checked. But a
+    zone may allow one of them and forbid another.
+    """
     from yarclang.motion.avoid.room import Room
 
     post = at_the_elbow(panda, panda.home)

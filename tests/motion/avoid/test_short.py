@@ -1,5 +1,5 @@
-"""Ways that are shortened in time: the quickest of several searches is free, no slower than the first, and
-the same each time.
+"""Tests of shortening motions in time: the fastest result of several searches is free, not slower than the
+first one, and equal each time.
 """
 
 from itertools import pairwise
@@ -52,9 +52,7 @@ def test_all_places_of_a_piece_are_looked_at_the_middle_early(count):
 @settings(max_examples=60, deadline=None)
 @given(st.integers(0, 2**32 - 1))
 def test_a_shortened_way_is_free_and_no_longer(tally, seed):
-    """A ball of radius 1 stands in the way; a way by chance outside of a ball that is a little larger goes
-    round it.
-    """
+    """A ball of radius 1 is an obstacle. A random path outside of a slightly larger ball leads around it."""
     random = np.random.default_rng(seed)
     corners = random.normal(size=(12, 3))
     corners *= random.uniform(2.0, 4.0, (12, 1)) / np.linalg.norm(corners, axis=1)[:, None]
@@ -146,7 +144,7 @@ def test_the_text_says_how_many_searches_and_is_judged_by_them(tmp_path):
     assert resealed(text) == text
     accepted = judged(tmp_path, text)
     assert accepted.value is not None, accepted.diagnostics
-    # the same motions, said to be the first that were found
+    # The text has the motions of three searches, but claims that they are the result of the first one.
     forged = resealed(text.replace(f"{LINE}\n", ""))
     found = judged(tmp_path, forged)
     assert found.value is None

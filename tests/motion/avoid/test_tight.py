@@ -1,5 +1,5 @@
-"""Ways out of tight places: the tool is drawn out along its axes before a way is searched for, and what is
-found is free by other geometry.
+"""Tests of motions out of narrow places: first the tool is drawn out along its axes, then a motion is
+searched for. What is found is free according to other geometry.
 """
 
 import numpy as np
@@ -23,7 +23,9 @@ WIDTH, FOOT, LENGTH, DEEP, WALL = 0.05, 0.03, 0.2, 0.16, 0.02
 
 
 def placed(name, size, xyz, base=None):
-    """A body at a place of the flange's frame: on the flange, or, with the flange's pose, in the cell."""
+    """Return a body at a position in the flange's frame: fixed to the flange or, if the flange's pose is
+    given, to the cell.
+    """
     where = np.eye(4)
     where[:3, 3] = xyz
     mount = Mount(where, True) if base is None else Mount(base @ where, False)
@@ -31,11 +33,11 @@ def placed(name, size, xyz, base=None):
 
 
 STICK = placed("STICK", [WIDTH, LENGTH, WIDTH], [0, FOOT + LENGTH / 2, 0])
-"""The tool: the flange's y points outwards."""
+"""The tool, along y of the flange, which points outwards."""
 
 
 def box_about(q, wider, name="BOX"):
-    """A box whose opening is wider than the tool, with the tool in it at `q`."""
+    """Return the walls of a box with the tool inside at `q`. Its opening is slightly wider than the tool."""
     base = flange_poses(ROBOT.chain, q[None])[0]
     mouth, bottom = FOOT + LENGTH - DEEP, FOOT + LENGTH + 0.01
     middle, deep, inner = (mouth + bottom) / 2, bottom - mouth, WIDTH + wider
@@ -54,7 +56,7 @@ def test_out_of_a_box_into_another(wider, monkeypatch):
     assert isinstance(way, Way)
     assert worst(executed(LEFT, way), *around) > 0.0
     assert np.array_equal(way.waypoints, find_way(room(*around), LEFT, RIGHT).waypoints)
-    # by chance alone it isn't found: the test would notice that the problem has become easy
+    # Random sampling alone finds nothing. Otherwise the problem would be too easy for this test.
     plain = tuple(one for one in ways.EFFORTS if not one.lines)
     monkeypatch.setattr(ways, "EFFORTS", plain)
     assert isinstance(find_way(room(*around), LEFT, RIGHT), NoWay)
@@ -70,7 +72,7 @@ def test_a_retreat_is_a_straight_line_of_the_tool_that_is_free():
         poses = flange_poses(ROBOT.chain, one.corners)
         assert np.abs(poses[:, :3, :3] - poses[0, :3, :3]).max() < 1e-4
         gone = (poses[:, :3, 3] - poses[0, :3, 3]) @ poses[0, :3, :3]
-        assert np.abs(gone[:, [0, 2]]).max() < 1e-4  # only its own axis leads out
+        assert np.abs(gone[:, [0, 2]]).max() < 1e-4  # the only way out is along the tool's own axis
         assert gone[:, 1].max() <= 1e-6
         assert gone[:, 1].min() >= -FARTHEST - STEP
 
@@ -82,7 +84,7 @@ def test_nothing_leads_out_of_a_closed_box():
 
 
 def shut(lower, upper):
-    """A room with a zone that forbids joints what is between."""
+    """Return a room with a zone that forbids the joint positions between two bounds."""
     zone = Zone("GATE", "forbidden", JointWindow(np.array(lower), np.array(upper)))
     cell = Cell(SourceFile("cell.toml", ""), {}, {}, {}, {}, (), (zone,), {})
     return room_of(ROBOT, cell, tool_frame(ROBOT))
@@ -105,8 +107,8 @@ def test_a_window_of_one_joint_between_start_and_goal_is_seen_without_a_search(m
     assert said[:2] == (
         "Y0923",
         (
-            "there is no way to the joint positions of the target: zone GATE forbids J1 from -10 to 10 deg, "
-            "and start and target are on either side of it"
+            "no path exists to the joint positions of the target: zone GATE forbids J1 from -10 to 10 deg, "
+            "and start and target are on opposite sides of this range"
         ),
     )
 

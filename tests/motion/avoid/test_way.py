@@ -1,5 +1,5 @@
-"""A way round is free wherever one looks, is the straight one where that is free, and the same in every
-process; without one it is said why.
+"""Tests of motions around obstacles: they are free everywhere, straight if the straight motion is free, and
+equal in each process. If no such motion exists, the finding gives the reason.
 """
 
 import subprocess
@@ -28,8 +28,8 @@ def executed(start, way, count=2000):
 
 
 def worst(q, *obstacles):
-    """The smallest room that a pair has at joint positions, by geometry that shares nothing with the
-    search.
+    """Return the smallest distance minus margin of all pairs at joint positions, by geometry that shares no
+    code with the search.
     """
     dense = Dense(ROBOT, cell_of(*obstacles))
     wanted = np.array([dense.wanted(pair) for pair in range(len(dense.pairs))])

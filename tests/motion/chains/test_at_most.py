@@ -1,4 +1,4 @@
-"""BLEND <=20: as much of it as there is room for."""
+"""Tests of BLEND <=20: the blend is as large as possible, up to this value."""
 
 import re
 
@@ -48,7 +48,7 @@ def test_it_is_the_blend_that_there_is_room_for(lines, asked, taken):
 def test_without_the_sign_too_much_stays_an_error_that_names_it(lines):
     _, found = compiled(HEAD + lines.format("80", "1"))
     assert codes(found)[:1] == ["Y0606"]
-    assert "BLEND <= takes what there is room for" in found[0].help
+    assert "BLEND <= uses the largest that fits" in found[0].help
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,7 @@
-"""Motions that flow into each other: where the path is left, how long each takes, and that limits hold in
-between.
+"""Tests of motions that flow into each other: where the path is left, the duration of each motion, and the
+limits in blends.
 
-Densely sampled; tests/test_random_programs.py does the same with programs by chance and from the emitted
+These tests sample densely; tests/test_random_programs.py does the same with random programs and the emitted
 text.
 """
 
@@ -12,6 +12,7 @@ import pytest
 from programs import codes, compiled, planned
 
 from yarclang.motion.chains import chain as chains
+from yarclang.motion.framespeed import frame_speeds
 from yarclang.robot.actuation import counts_per_joint
 from yarclang.robot.kinematics.fk import tool_poses
 
@@ -48,7 +49,7 @@ def dense(plan, number):
 
 
 def corner_distance(plan, number, q):
-    """How far joint positions are from the end of a motion, in units of what BLEND says there."""
+    """Return the distances of joint positions from the end of a motion, in the unit of its BLEND."""
     steps = plan.program.steps
     motion, step = plan.motions[number], steps[plan.motions[number].step]
     following = steps[plan.motions[number + 1].step]
@@ -61,7 +62,7 @@ def corner_distance(plan, number, q):
 
 
 def off_path(path, q):
-    """How far joint positions are from a path, in mm or deg: to the nearest of many places."""
+    """Return the distances of joint positions from a path [mm or deg], by the nearest of many points."""
     s = np.linspace(0, 1, 4001)
     if hasattr(path, "frame"):
         tcp = path.flange_from_moving
@@ -70,7 +71,7 @@ def off_path(path, q):
     else:
         places, points = np.degrees(path.joints(s)), np.degrees(q)
     nearest = np.array([np.linalg.norm(places - point, axis=1).min() for point in points])
-    # halfway between two places
+    # The nearest point may be between two samples.
     return nearest - np.linalg.norm(np.diff(places, axis=0), axis=1).max()
 
 
@@ -115,7 +116,7 @@ def test_limits_hold_and_nothing_jumps(name, industrial6):
         ends = [one.curve.sample(np.array([one.curve.duration])), other.curve.sample(np.zeros(1))]
         for before, behind in zip(*ends, strict=True):
             assert behind == pytest.approx(before, abs=1e-8)
-        assert np.abs(ends[0][1]).max() > 1e-3  # it doesn't stop
+        assert np.abs(ends[0][1]).max() > 1e-3  # the robot doesn't stop at the corner
 
 
 def test_between_two_lines_the_frame_stays_in_their_plane():
@@ -127,7 +128,7 @@ def test_between_two_lines_the_frame_stays_in_their_plane():
 
 
 def speeds_along_a_line_with_corners():
-    """The frame's speed [mm/s] in the middle ones of four lines in one direction."""
+    """Return the frame's speeds [mm/s] in the middle two of four lines in one direction."""
     lines = "".join(f"P{10 * k:04d} MOVEL {50 * k} 1174.4 1176 0 0 0 [V 80] BLEND 15\n" for k in range(1, 5))
     plan, found = chain(lines)
     assert found == ["Y1010"]
@@ -312,7 +313,7 @@ def test_a_speed_changes_where_one_line_goes_on_as_the_next(speeds):
     assert "Y0610" not in codes(found)
     plan, _ = chain("\n".join(lines) + "\n")
     assert all(one.flows for one in plan.motions[1:-1])
-    # before a corner nobody goes faster than is asked for there
+    # Before a corner, no motion is faster than its programmed speed.
     tcp = plan.robot.flange_from_frame["TCP"]
     for number, speed in enumerate(speeds, 1):
         q = dense(plan, number)[0]
@@ -331,7 +332,9 @@ P0040 MOVEL -39.6513 1262.1959 1560.6193 16.4477 -8.1157 4.0371 [MIN] TOL 0.05
 
 @pytest.mark.parametrize("lines", [*CHAINS.values(), LINES_IN_A_LINE])
 def test_a_stop_in_a_chain_has_three_equal_points(lines):
-    """An overlap is corrected at the points around it as well, but not across a stop."""
+    """At a stop, the last three control points of a motion are equal and at its path's end. The correction of
+    an overlap also changes the points around the overlap, but must not change these points.
+    """
     head = "DEFAULT {TCP} [2] (mm,deg,s) {B}\nP0001 MOVEJ 0 -5 -20 10 40 0 [MIN]\n"
     begin = head if lines is LINES_IN_A_LINE else HEAD
     made, found = compiled(begin + lines)
@@ -348,3 +351,55 @@ def test_a_stop_in_a_chain_has_three_equal_points(lines):
             np.testing.assert_allclose(end[0], motion.path.end, atol=1e-15)
     if lines is LINES_IN_A_LINE:
         assert [motion.overlap is None for motion in motions] == [True, True, False, True]
+
+
+SPEED_FOR_AN_INSTANT = """DEFAULT {TCP} (mm,deg,s) {B}
+POSE AT1 -24.3190 870.5900 553.1920 -112.7710 -19.3630 -13.1460
+POSE AT2 -40.2490 830.4970 574.6690 -99.8780 -3.1040 -3.1750
+POSE AT3 -14.1990 880.6800 529.1080 -95.3590 -2.7010 -1.8920
+POSE AT4 14.5210 932.3520 617.0160 -82.0550 -9.8170 -12.0920
+P0010 MOVEJ AT1 [4.7] BLEND <=8
+P0020 MOVEL_SPLINE_SCURVE AT2; AT3; AT4 [V 20]
+"""
+
+
+def test_a_speed_that_is_had_only_for_an_instant_is_the_one_of_the_curve():
+    """Without a cruise, the law reaches its largest speed at the end of the blend, 0.1 % below the speed that
+    its ramps allow.
+    """
+    made, found = compiled(SPEED_FOR_AN_INSTANT, "TRACKED_MANIPULATOR")
+    assert [one for one in found if one.is_error] == []
+    motion = made.plan.motions[1]
+    assert made.plan.motions[0].overlap
+    assert 0.5 < motion.kept < 0.6
+    q, rates, _ = motion.curve.sample(np.linspace(0, motion.curve.duration, 8 * motion.curve.segments + 1))
+    assert frame_speeds(motion.path, q, rates).max() == pytest.approx(0.02 * motion.kept, rel=4e-4)
+
+
+def test_the_robot_stops_only_where_the_motions_cannot_flow():
+    text = (
+        "DEFAULT [3] (deg,s)\nP0010 MOVEJ 10 0 0 0 0 0 BLEND 2\nP0020 MOVEJ 20 0 10 0 0 0 BLEND 2\n"
+        "P0030 MOVEJ 20 0 30 0 0 0 [0.81] BLEND 2\nP0040 MOVEJ 40 0 30 0 0 0 [0.81] BLEND 2\n"
+        "P0050 MOVEJ 50 0 40 0 0 0 BLEND 2\nP0060 MOVEJ 60 0 40 0 0 0\n"
+    )
+    plan, found = planned(text)
+    stops = [one.span.line for one in found if one.code == "Y0608"]
+    assert 5 in stops
+    assert not {2, 6} & set(stops)
+    assert compiled(text)[0] is not None
+    assert len(plan.motions) == 6
+
+
+@pytest.mark.parametrize(
+    ("second", "helps"),
+    [("P0030 MOVEL 50 1100 950 0 0 0", True), ("P0030 MOVEJ HOME", False)],
+)
+def test_a_tolerance_is_proposed_only_where_it_allows_a_corner(second, helps):
+    text = (
+        "DEFAULT {TCP} [MIN] (mm,deg,s) {B}\nP0010 MOVEJ_RPY 0 1100 900 0 0 0\n"
+        f"P0020 MOVEL 50 1100 900 0 0 0 BLEND 0\n{second}\n"
+    )
+    (one,) = [one for one in planned(text)[1] if one.code == "Y0607"]
+    assert ("TOL 0.05" in one.help) is helps
+    tolerant = planned(text.replace("BLEND 0", "TOL 0.05 BLEND 0"))[1]
+    assert ("Y0607" not in codes(tolerant)) is helps

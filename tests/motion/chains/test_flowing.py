@@ -1,5 +1,5 @@
-"""Long chains as one path, from the emitted text: where the paths are left, how fast the tool goes, and
-that limits hold; laws and means by themselves.
+"""Tests of long chains as one path, by the emitted text: where paths are left, the tool's speed, and limits;
+also tests of single laws and means.
 """
 
 import numpy as np
@@ -19,7 +19,9 @@ BEGIN = {"INDUSTRIAL6": (40.0, 1000.0, 1000.0), "TRACKED_MANIPULATOR": (700.0, 0
 
 
 def drawn(seed, count, shape, turning):
-    """Way-points (count + 1, 3) [mm] from the origin, and turns about x [deg]: pieces of 0.5 to 3 mm."""
+    """Return waypoints (count + 1, 3) [mm] that begin at the origin and are 0.5 to 3 mm apart, and rotations
+    about x [deg].
+    """
     chance = np.random.default_rng(seed)
     lengths = chance.uniform(0.7, 3.0, count)
     if shape == "curve":
@@ -33,9 +35,9 @@ def drawn(seed, count, shape, turning):
     ways = lengths[:, None] * np.stack((np.cos(heading), np.sin(heading), 0.1 * np.sin(heading)), axis=1)
     points = np.concatenate(([[0, 0, 0]], np.cumsum(ways, axis=0))).round(4)
     far = np.abs(points).max()
-    points *= min(1.0, 60.0 / far)  # a tool path of some centimetres
+    points *= min(1.0, 60.0 / far)  # at most a few centimetres long
     gone = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))))
-    # to and fro
+    # The rotation goes back and forth.
     turns = turning * np.abs((gone + 10.0) % 40.0 - 20.0)
     return points, turns
 
@@ -55,7 +57,7 @@ def program(robot, points, turns, speed, ball, tolerance):
 
 
 def to_segments(p, a, b):
-    """Distances (N, k) of points (N, 3) from k pieces."""
+    """Return the distances (N, k) of points (N, 3) from k straight pieces."""
     way = b - a
     along = np.einsum("nki,ki->nk", p[:, None] - a, way) / np.maximum(np.einsum("ki,ki->k", way, way), 1e-30)
     nearest = a + np.clip(along, 0, 1)[..., None] * way
@@ -63,8 +65,8 @@ def to_segments(p, a, b):
 
 
 def looked_at(text, robot, points, speed, ball, tolerance):
-    """Hold a text against its way-points; return the mean share of the speed from the first to the last
-    time that it is reached.
+    """Compare a text with its waypoints. Return the mean speed as a share of the programmed one, between the
+    first and the last time at which it is reached.
     """
     arm = Arm.in_folder(robot_of(robot).folder)
     _, commands = read(text)
@@ -86,7 +88,7 @@ def looked_at(text, robot, points, speed, ball, tolerance):
         left = off > tolerance * (1 + 1e-6)
         assert (at_corner[left] <= ball + tolerance).all(), (step, off.max(), at_corner[left].max())
         steps = np.linalg.norm(np.diff(p, axis=0), axis=1) / (executed.segment / 8)
-        # a chord of an arc is shorter than it
+        # The chord of an arc is shorter than the arc.
         assert steps.max() <= speed * (1 + 2e-3), (step, steps.max())
         fast.append(steps)
         times += executed.duration
@@ -121,7 +123,9 @@ def test_what_is_certified_keeps_to_its_paths_and_limits(
 
 
 def test_a_curve_of_short_pieces_keeps_its_speed():
-    """What takes a third of the speed if each corner is passed by itself."""
+    """A curve of short pieces keeps its speed. It would be much slower if each corner were passed
+    by itself.
+    """
     at = np.arange(150) * 2.0
     heading = np.radians(60) * np.sin(at / 40.0)
     points = np.concatenate(
@@ -132,7 +136,7 @@ def test_a_curve_of_short_pieces_keeps_its_speed():
     assert looked_at(made.text, "INDUSTRIAL6", points.round(3), 50.0, 0.3, 0.02) > 0.975
     assert all(motion.flows for motion in made.plan.motions[1:-1])
     assert made.plan.motions[-1].overlap is None
-    # told is where it begins and ends, and nothing between
+    # Findings concern only the beginning and the end.
     told = [one.span.line for one in found if one.code == "Y0610"]
     assert not [line for line in told if 8 < line < 145]
 
@@ -147,7 +151,8 @@ def test_the_law_is_the_fastest_one(count, seed):
     assert (law.v <= ceiling * (1 + 1e-9)).all()
     gained = np.abs(np.diff(law.v**2))
     assert (gained <= 2.0 * slope * np.diff(s) * (1 + 1e-9) + 1e-12).all()
-    # each inner node is as fast as something allows: its ceiling, or what can be reached from a neighbour
+    # The speed at each inner node is the largest possible: its ceiling, or the speed that can be reached from
+    # a neighbour.
     for k in range(1, count):
         tight = [
             ceiling[k] ** 2,
@@ -155,7 +160,7 @@ def test_the_law_is_the_fastest_one(count, seed):
             law.v[k + 1] ** 2 + 2 * slope[k] * (s[k + 1] - s[k]),
         ]
         assert law.v[k] ** 2 == pytest.approx(min(tight), rel=1e-9, abs=1e-12)
-    # and its places are those of its speeds
+    # The positions of the law agree with its speeds.
     t = np.linspace(0.0, law.duration, 4001)
     places = law.places(t)
     assert places[0] == 0.0
@@ -184,8 +189,8 @@ def test_turns(seed):
 
 @pytest.mark.parametrize("ball", [0.0, 0.3])
 def test_a_slower_speed_on_the_way_is_kept_from_its_corner_on(ball):
-    """The means of a law that gets slower at a corner are faster behind it, if the law isn't slower
-    before.
+    """A law that becomes slower at a corner must become slower a little before the corner: executed speeds
+    are means over an interval, and would otherwise be too fast just after the corner.
     """
     at = np.arange(50) * 2.0
     heading = np.radians(2.0) * np.sin(at / 40.0)
@@ -205,7 +210,8 @@ def test_a_slower_speed_on_the_way_is_kept_from_its_corner_on(ball):
         executed = commands[step]
         p, _ = arm.poses(executed.sample())
         went = np.linalg.norm(np.diff(p, axis=0), axis=1) / (executed.segment / 8)
-        # the corner is passed up to a segment from where the map says
+        # The corner is passed within one segment of the seam in the map, so one segment is left out at both
+        # ends.
         inner, allowed = went[8:-8], speeds[max(step - 2, 0) : step + 1].max()
         assert inner.max(initial=0.0) <= speeds[step - 1] * 1.002
         assert went.max() <= allowed * 1.002
@@ -233,7 +239,7 @@ P0490 MOVEL 21.2390 1180.1922 1509.4236 14.6624 -9.0548 4.2617 [MIN] TOL 0.05
     [(STRAIGHT_ON, "TRACKED_MANIPULATOR", 0), (AFTER_AN_ARC, "INDUSTRIAL6", 4)],
 )
 def test_a_faster_motion_begins_only_after_the_slower_one(lines, robot, step):
-    """Where no blend is done, the speed of the first motion holds up to its last segment."""
+    """If there is no blend, the speed of the first motion applies up to its last segment."""
     made, found = compiled(lines, robot)
     assert made is not None, [(one.code, one.message) for one in found if one.is_error]
     motion = made.plan.motions[step]

@@ -1,4 +1,4 @@
-"""Speeds that a chain can't keep by far: how much is tried before a slower one is found."""
+"""Tests of speeds that a chain can't nearly reach: only few laws are tried before a slower speed is found."""
 
 from programs import compiled
 
@@ -14,8 +14,8 @@ P0020 CALL WEAVE.SINE {TCP} {SEAM} 12 1 2 4
 
 
 def test_few_laws_are_tried_where_the_way_itself_asks_too_much(monkeypatch):
-    """Four waves a second of 2 mm to each side: the limits leave a fifteenth of that. It took two minutes
-    and 17,000 laws.
+    """The path has four waves a second of 2 mm to each side, of which the limits allow a fifteenth. Formerly,
+    this took two minutes and 17,000 laws.
     """
     laws = []
     tried = Between._tried
@@ -28,5 +28,5 @@ def test_few_laws_are_tried_where_the_way_itself_asks_too_much(monkeypatch):
     _, found = compiled(WEAVE, "INDUSTRIAL6", load=loader(library_folder()))
     told = [one for one in found if one.code == "Y0610"]
     assert told
-    assert "the limits leave no room to keep this speed" in told[0].message
+    assert "the limits don't allow this speed from" in told[0].message
     assert 0 < sum(laws) < 2000

@@ -1,5 +1,5 @@
-"""Long chains in windows: what is made and proved of one depends on it alone, and is what is made and
-proved of the whole.
+"""Tests of long chains in windows: the plan and proof of a window depend only on the window, and equal those
+of the whole chain.
 """
 
 from contextlib import contextmanager
@@ -22,7 +22,7 @@ from yarclang.motion.chains.flowing.window import Failed, Window
 
 @contextmanager
 def windows_of(motions, proved):
-    """Windows of so many motions; gives a list of those that are made."""
+    """Use windows of a given number of motions. Yield a list to which each planned window is added."""
     made, make = [], flow.made
 
     def listed(way, demands, window, smoothing):
@@ -43,7 +43,7 @@ def told(certificate):
 
 
 def wave(count=150):
-    """Way-points (count + 1, 3) [mm] along a wave."""
+    """Return waypoints (count + 1, 3) [mm] along a wave."""
     at = np.arange(count) * 2.0
     heading = np.radians(50) * np.sin(at / 30.0)
     ways = 2.0 * np.stack((np.cos(heading), np.sin(heading), 0 * at), axis=1)
@@ -78,7 +78,7 @@ def test_what_is_made_in_windows_keeps_to_its_paths_and_limits(
 def test_what_is_proved_in_windows_is_what_is_proved_of_the_whole(proved):
     points = wave(90)
     text = program("INDUSTRIAL6", points, np.zeros(len(points)), 50.0, 0.3, 0.05)
-    # motions that are told where to go from where the one before ends: there nothing can be cut
+    # Relative motions depend on the end of the previous motion, so the chain can't be cut there.
     lines = text.splitlines()
     lines[40:60] = [
         f"P{number:04d} DMOVE 1.5 {number % 3} 0 0 0 0 TOL 0.05 BLEND 0.3" for number in range(3900, 3920)
@@ -133,7 +133,7 @@ def test_windows_that_fail_are_made_with_those_beside_them():
         one, _ = compiled(text)
     assert one is not None
     looked_at(one.text, "INDUSTRIAL6", points, 50.0, 0.3, 0.05)
-    # the seam is gone, and the windows beside are one
+    # The seam is gone, and the windows on both sides are one.
     assert looked_at(one.text, "INDUSTRIAL6", points, 50.0, 0.3, 0.05) > 0.95
 
 

@@ -1,4 +1,4 @@
-"""Arcs: the circle through three points, gone from the first through the second to the third."""
+"""Tests of arcs: parts of the circle through three points, from the first through the second to the third."""
 
 import numpy as np
 import pytest
@@ -22,7 +22,7 @@ def pose(point, rotation_vector=(0, 0, 0)):
 
 
 def is_fat(*corners):
-    """A triangle that is neither tiny nor flat: else its circle isn't known well."""
+    """Return True if a triangle is neither tiny nor flat. Otherwise its circle isn't well defined."""
     sides = [np.linalg.norm(corners[i] - corners[i - 1]) for i in range(3)]
     area = np.linalg.norm(np.cross(corners[1] - corners[0], corners[2] - corners[0]))
     return min(sides) > 1e-2 and area > 1e-2 * max(sides) ** 2
@@ -42,8 +42,8 @@ def test_the_arc_goes_through_three_points_in_their_order(first, via, last, turn
     away = np.linalg.norm(places[:, :3, 3] - via, axis=1)
     assert away.min() < arc.length / 20000 + 1e-9
     assert 0 < away.argmin() < 20000
-    # one circle, gone once: the same distance from its centre, the same way each step, and together the
-    # length
+    # The arc is on one circle, without turning back: constant distance from the center, and equal steps that
+    # add up to the length.
     assert np.linalg.norm(places[:, :3, 3] - arc.centre, axis=1) == pytest.approx(arc.radius, rel=1e-9)
     steps = np.linalg.norm(np.diff(places[:, :3, 3], axis=0), axis=1)
     assert steps.max() - steps.min() < 1e-9 + 1e-6 * steps.max()

@@ -1,4 +1,4 @@
-"""Lines of the moving frame: many at a time are what each is by itself, to the last bit."""
+"""Tests of lines of the moving frame: many lines at once equal each single one, to the last bit."""
 
 import numpy as np
 import pytest
@@ -8,8 +8,8 @@ from yarclang.motion.paths.line import line_between, lines_between, poses_along
 
 
 def pairs(random, size):
-    """Return the poses (12, 4, 4) where some lines begin and end, turned by about `size` [rad]; one stands
-    still, one turns by half a turn.
+    """Return poses (12, 4, 4) at which lines begin and end, rotated by about `size` [rad]. One line stands
+    still, another one rotates by half a turn.
     """
     starts, ends = np.tile(np.eye(4), (2, 12, 1, 1))
     starts[:, :3, :3] = Rotation.random(12, random_state=random).as_matrix()

@@ -1,4 +1,6 @@
-"""Splines of poses: through all way-points, smooth twice, and at one speed over the share of the way."""
+"""Tests of splines of poses: they pass all waypoints, are twice differentiable, and have constant speed over
+the share of the length.
+"""
 
 import numpy as np
 import pytest
@@ -20,7 +22,7 @@ seeds = st.integers(0, 2**32 - 1)
 
 
 def drawn(seed, count=None):
-    """Poses (w, 4, 4) by chance, neighbours less than half a turn apart."""
+    """Return random poses (w, 4, 4). Neighbours are less than half a turn apart."""
     random = np.random.default_rng(seed)
     count = count or int(random.integers(2, 8))
     poses = np.tile(np.eye(4), (count, 1, 1))
@@ -42,7 +44,7 @@ def test_the_curve_goes_through_all_way_points(seed):
 
 @given(seeds)
 def test_position_and_orientation_are_smooth_twice(seed):
-    """One-sided second differences at the way-points agree, to the order of the step."""
+    """The one-sided second differences at each waypoint agree, to the order of the step."""
     spline = through_poses(drawn(seed, 5))
     knots = spline.positions.knots
     assume(np.diff(knots).min() > 0.02)
@@ -103,7 +105,7 @@ def test_at_constant_speed_equal_shares_are_equal_ways(seed):
     assume(spline.slowest > 0.02 * spline.length)
     steady = AtConstantSpeed(spline)
     shares = np.linspace(0, 1, 41)
-    # the way to each share, measured along the chord parameter by Simpson's rule
+    # Measure the length up to each share by Simpson's rule along the chord parameter.
     ends = spline.at_length(shares)
     fine = np.linspace(ends[:-1], ends[1:], 401, axis=1)
     speed = np.linalg.norm(spline.positions.slope_at(fine.ravel()), axis=1).reshape(fine.shape)
@@ -175,7 +177,9 @@ def test_pieces_of_a_leg_are_as_many_as_its_bends_need(count):
 
 @pytest.mark.parametrize("count", [40, 1_500])
 def test_legs_with_cusps_have_no_end_of_pieces(count):
-    """To and fro: the velocity is nothing somewhere on each leg."""
+    """The path goes back and forth, so the velocity is zero at some point of each leg. The number of pieces
+    is still limited.
+    """
     poses = np.tile(np.eye(4), (count, 1, 1))
     poses[:, 0, 3] = np.where(np.arange(count) % 2, 0.01, 0.0)
     spline = through_poses(poses)

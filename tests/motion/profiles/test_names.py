@@ -1,4 +1,4 @@
-"""A profile is known by its file: nothing else says the name of one."""
+"""Test that the name of a profile is only in its own file."""
 
 import ast
 from pathlib import Path
@@ -8,17 +8,19 @@ from yarclang.motion.profile import TIMETABLE, load_profile, profile_names
 
 ROOT = Path(yarclang.__file__).parent
 KNOWN = {
-    ("semantics/names/commands.py", "LSPB"),  # what a name without a suffix means
-    ("motion/profile.py", "SCURVE"),  # the law of ways that are too short for their speed
+    ("semantics/names/commands.py", "LSPB"),  # the profile of a command without a suffix
+    ("motion/profile.py", "SCURVE"),  # the law for paths that are too short for their speed
 }
 SPOKEN_OF = ("findings/", "lint/rules/", "commands/builtin/", "motion/profiles/", "campaign/", "independent/")
-"""Where programs stand as examples, or are drawn, and the independent reading, which knows what laws
-promise.
+"""Folders that may contain names of profiles: they contain example programs or draw programs. `independent/`
+checks the properties of laws.
 """
 
 
 def named():
-    """Where a text in the code is a profile's name, or a command's name with it."""
+    """Yield the places in the code at which a string is the name of a profile, or of a command with a
+    profile.
+    """
     for path in ROOT.rglob("*.py"):
         place = path.relative_to(ROOT).as_posix()
         if place.startswith(SPOKEN_OF):

@@ -1,4 +1,6 @@
-"""S-curves against the shortest jerk-limited motion from rest to rest, worked out in closed form."""
+"""Tests of S-curves, by comparison with the closed form of the shortest jerk-limited motion from rest to
+rest.
+"""
 
 import numpy as np
 import pytest
@@ -18,8 +20,10 @@ GRID = Grid(0.0013281, 0.05, 1 / 4096e3)
 
 
 def optimal(way, velocity, acceleration, jerk):
-    """The shortest time [s] of a way from rest to rest: seven phases, of which some may vanish."""
-    if (way / (2 * jerk)) ** (1 / 3) * jerk <= acceleration:  # all jerk: four equal phases
+    """Return the shortest time of a motion from rest to rest [s]. It has seven phases, some of which may be
+    missing.
+    """
+    if (way / (2 * jerk)) ** (1 / 3) * jerk <= acceleration:  # only jerk phases: four equal ones
         ramp, blend = (way / (2 * jerk)) ** (1 / 3), 2 * (way / (2 * jerk)) ** (1 / 3)
     else:
         ramp = acceleration / jerk
@@ -37,8 +41,9 @@ def optimal(way, velocity, acceleration, jerk):
 @pytest.mark.parametrize(
     ("way", "limits", "expected"),
     [
-        (2.0, (9, 9, 1), 4.0),  # j t^3 twice up and down: 2 j t^3 = way
-        (100.0, (10, 10, 1e9), 11.0),  # a trapezoid: v / a + way / v
+        # four jerk phases, each of t = 1 s: the distance is 2 j t^3
+        (2.0, (9, 9, 1), 4.0),
+        (100.0, (10, 10, 1e9), 11.0),  # a trapezoid: v / a + distance / v
         (100.0, (1e9, 4, 1e9), 10.0),  # a triangle
     ],
 )
@@ -49,7 +54,9 @@ def test_the_closed_form_is_right_where_it_is_known(way, limits, expected):
 @settings(max_examples=80)
 @given(st.floats(0.02, 3), st.floats(0.3, 3), st.floats(0.5, 10), st.floats(0.06, 0.5), st.floats(0.02, 1))
 def test_the_shortest_time_is_within_a_percent_of_the_optimum(way, velocity, acceleration, rise, other):
-    jerk = acceleration / rise  # much quicker ramps than arms have would be shorter than a segment
+    # the jerk is limited, because ramps that are much faster than those of real arms would be shorter than a
+    # segment
+    jerk = acceleration / rise
     bounds = Bounds(
         np.array([velocity, 9.0]),
         np.array([acceleration, 90.0]),

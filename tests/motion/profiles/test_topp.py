@@ -1,4 +1,6 @@
-"""Time-optimal laws: no limit is broken at any instant, one is always used up, and no other law is faster."""
+"""Tests of time-optimal laws: no limit is exceeded at any instant, one limit is always reached, and no other
+law is faster.
+"""
 
 import numpy as np
 import pytest
@@ -26,8 +28,8 @@ def motion(line, robot="INDUSTRIAL6"):
 
 
 def shares(curve, robot):
-    """The share of the nearest limit at each of many instants, limits of velocity, motor speed and
-    acceleration.
+    """Return the largest used shares of the limits of velocity, motor speed and acceleration, at many
+    instants.
     """
     _, v, a = curve.sample(np.linspace(0, curve.duration, 40 * curve.segments + 1))
     return np.stack(
@@ -44,7 +46,7 @@ def test_no_limit_is_broken_and_one_is_always_used_up(name, industrial6):
     used = shares(motion(PROGRAMS[name]), industrial6)
     assert used.max() <= 1.0
     busy = used.max(axis=0)
-    # but for the jumps from limit to limit, which take a segment or two, and for the two ends
+    # Exceptions are the changes from limit to limit, which take a segment or two, and both ends.
     assert np.median(busy) > 0.99
     assert np.quantile(busy, 0.15) > 0.9
 
@@ -99,7 +101,7 @@ def test_a_longer_time_stretches_it(time):
 
 
 def shortest(text):
-    """The duration of the last motion of a program that must be planned."""
+    """Return the duration of the last motion of a program. The program must be planned."""
     plan, diagnostics = planned("DEFAULT {TCP} (mm,deg,s) {B}\n" + text)
     assert plan is not None, diagnostics
     return plan.motions[-1].curve.duration
@@ -125,8 +127,8 @@ def test_a_line_of_a_micrometre_in_too_short_a_time_is_told_one_that_works():
 @pytest.mark.parametrize("way", ["6 0 0", "0 6 0", "0 0 6"])
 @pytest.mark.parametrize("time", ["[MIN]", "[99%]"])
 def test_beside_a_singularity_it_takes_about_as_long_as_the_wrist_needs(j5, way, time):
-    """J4 turns by 90 deg at most, in about 1.8 s at 60 deg/s. Other laws take minutes there, since theirs
-    isn't fitted to the turn.
+    """J4 turns by at most 90 deg, in about 1.8 s at 60 deg/s. Other laws take minutes here, because they
+    aren't adapted to the turn.
     """
     start = f"START 10 10 -20 0 {j5:.7f} 0 (deg)\n"
     duration = shortest(f"{start}P0010 DMOVE_TOPP {way} 0 0 0 {time}\n")
@@ -136,7 +138,9 @@ def test_beside_a_singularity_it_takes_about_as_long_as_the_wrist_needs(j5, way,
 
 
 def test_a_path_without_a_law_is_a_finding(monkeypatch):
-    """What the solver gives up is said, with the place; no path is known that makes it do so."""
+    """If the solver fails, a finding says so, with the place. No path is known that makes it fail, so the
+    test simulates this.
+    """
     from toppra.algorithm import TOPPRA
 
     compute = TOPPRA.compute_parameterization
@@ -150,7 +154,7 @@ def test_a_path_without_a_law_is_a_finding(monkeypatch):
     _, diagnostics = planned("P0010 MOVEJ_TOPP 10 0 0 0 0 0 [MIN] (deg)\n")
     (found,) = diagnostics
     assert found.code == "Y0614"
-    assert "gives up at 25 % of the way" in found.message
+    assert "failed at 25 % of the path" in found.message
     _, diagnostics = planned(
         "P0010 MOVEJ_TOPP 10 0 0 0 0 0 [MIN] (deg) BLEND 1\nP0020 MOVEJ_TOPP 20 0 0 0 0 0 [2] (deg,s)\n"
     )

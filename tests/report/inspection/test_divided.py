@@ -74,8 +74,8 @@ def test_bodies_in_pieces_are_listed_with_their_numbers(studied):
         "HULL": {"count": 1, "most": 1},
     }
     lines = sections_of(one)[0].lines
-    assert f"ONE counts as {count} convex pieces, of at most 8" in lines
-    assert "HULL counts as 1 convex piece, of at most 1" in lines
+    assert f"ONE is represented by {count} convex pieces, of at most 8" in lines
+    assert "HULL is represented by 1 convex piece, of at most 1" in lines
     assert not any("WHOLE" in line for line in lines)
 
 

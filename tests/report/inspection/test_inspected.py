@@ -1,4 +1,4 @@
-"""What is known of one command."""
+"""The information about one command."""
 
 import json
 from pathlib import Path
@@ -46,10 +46,10 @@ def test_a_timetable_with_what_is_between_its_rows():
         "P0010",
     )
     text = words(found)
-    assert "timetable: 2 rows with velocities, from 1 to 2 s, all times times 2" in text
+    assert "timetable: 2 rows with velocities, from 1 to 2 s, all times multiplied by 2" in text
     assert "the cubic polynomial in time with the velocities of both rows" in text
     assert "asked for [4 s]" in text
-    assert "no shorter time works" not in text
+    assert "no shorter time is possible" not in text
     told = inspected_json(found)
     assert told["timetable"] == {
         "file": None,
@@ -107,9 +107,9 @@ def test_the_shortest_time_works_and_a_shorter_one_does_not():
     fails = inspected(f"P0010 MOVEJ 30 0 0 0 0 0 [{shortest * 0.9}]\n", "P0010")
     assert [one.code for one in fails.findings] == ["Y0601"]
     assert fails.pace.shortest == shortest
-    assert "can't be held" in words(fails)
-    assert "no shorter time works" in words(fails)
-    assert "the shortest time that works" in words(found)
+    assert "isn't possible; the values below are for the shortest time" in words(fails)
+    assert "no shorter time is possible" in words(fails)
+    assert "the shortest possible time is " in words(found)
 
 
 def test_the_limit_agrees_with_the_certificate():
@@ -139,8 +139,8 @@ def test_errors_elsewhere_leave_what_does_not_depend_on_them():
     hidden = inspected("P0010 MOVEJ 0 0\nP0030 MOVEJ_RPY 0 1174.4 1176 0 0 0\n", "P0030")
     assert hidden.start is None
     text = words(hidden)
-    assert "isn't known" in text
-    assert "counts from HOME" in text
+    assert "the position of the robot isn't known, because of errors before this command" in text
+    assert "the distance is measured from HOME, because the start isn't known" in text
     json.dumps(inspected_json(hidden), allow_nan=False)
 
 
@@ -152,14 +152,16 @@ def test_a_pose_out_of_reach_says_by_how_much():
 
 
 def test_a_solution_from_which_the_next_line_fails_is_told():
-    """From the nearest solution the turn that follows takes J6 beyond its limit; a turn lower it works."""
+    """From the nearest solution, the rotation of the next command moves J6 beyond its limit. One full turn
+    lower, it is possible.
+    """
     head = "P0005 MOVEJ 0 0 0 0 20 350\nP0010 MOVEJ_RPY 0 1150 1000 20 0 0\n"
     found = inspected(head + "P0020 DMOVE 0 0 0 0 -30 0 [9] {TCP}\n", "P0010")
     solutions = found.waypoints[0].solutions
     by_turn = {round(one.q[5] / DEG): one for one in solutions if one.q[3] == 0.0}
     assert by_turn[360].reason.startswith("P0020 DMOVE fails from here")
     assert "(Y0801)" in by_turn[360].reason
-    assert any("can be done" in one.reason for one in solutions)
+    assert any("the following motions are possible" in one.reason for one in solutions)
 
 
 def test_the_way_into_the_second_way_of_a_when():
@@ -181,10 +183,10 @@ def test_the_way_into_the_second_way_of_a_when():
 @pytest.mark.parametrize(
     ("line", "told"),
     [
-        ("WAIT [2]", "stands for 2 s"),
+        ("WAIT [2]", "waits for 2 s"),
         ("WAIT DOOR ON [5]", "DOOR (M11) is ON, at most 5 s"),
         ("SET GLUE ON", "GLUE (M1) becomes ON"),
-        ('HOLD "look"', "the operator goes on: look"),
+        ('HOLD "look"', "the operator continues: look"),
     ],
 )
 def test_what_moves_nothing(line, told):
@@ -229,8 +231,8 @@ def test_a_motion_says_what_it_flows_into():
     assert corner.middle == pytest.approx(1.0)
     assert corner.begins < corner.middle < corner.ends
     assert corner.ends - corner.middle == pytest.approx(corner.middle - corner.begins)
-    assert "flows on into P0030 MOVEJ without a stop" in words(first)
-    assert "flows in from P0010 MOVEJ without a stop" in words(second)
+    assert "continues into P0030 MOVEJ without a stop: " in words(first)
+    assert "continues from P0010 MOVEJ without a stop: " in words(second)
     assert "flows" not in words(third)
     found = inspected_json(second)["flows"]
     assert (found["before"]["from"], found["before"]["into"], found["behind"]) == ("P0010", "P0030", None)

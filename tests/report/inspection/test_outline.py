@@ -1,4 +1,4 @@
-"""A program as a tree of its ways and loops: what stands where, and how long each takes."""
+"""A program as a tree of its branches and loops, with the places and times of their contents."""
 
 import json
 
@@ -37,13 +37,13 @@ def test_ways_and_loops_stand_inside_each_other():
     )
     assert shown(rows) == [
         (0, "MOVEJ", "1.000 s"),
-        (0, "LOOP: again and again, a pass", "2.000 to 4.000 s"),
+        (0, "LOOP: repeated; one pass", "2.000 to 4.000 s"),
         (1, "MOVEJ", "1.000 s"),
         (1, "WHEN DOOR = 1", "1.000 s"),
         (2, "MOVEJ", "1.000 s"),
         (2, "EXIT", None),
         (1, "MOVEJ", "3.000 s"),
-        (1, "begin the loop anew", None),
+        (1, "begin the next pass of the loop", None),
         (0, "SET N = N + 1", None),
     ]
 
@@ -74,7 +74,7 @@ def test_a_wait_with_an_else_and_a_sub_that_is_left():
         "P50 CALL S",
     )
     assert [text for _, text, _ in shown(rows)] == [
-        "CALL: a SUB that some ways leave",
+        "CALL: a SUB that some branches leave",
         "WAIT DOOR = 1, within 2 s",
         "ELSE",
         "RETURN",

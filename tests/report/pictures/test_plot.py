@@ -1,4 +1,4 @@
-"""`yarc plot`: the shares that are drawn, and the files that are written."""
+"""`yarc plot`: the drawn shares of the limits, and the written files."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def two(tmp_path_factory: pytest.TempPathFactory) -> MotionPlan:
 
 @pytest.fixture(scope="module")
 def long(two: MotionPlan) -> MotionPlan:
-    """10,000 motions there and back, with one quick jump among them."""
+    """10,000 motions there and back. One of them is a quick jump."""
     there, back = two.motions[0].curve.points, two.motions[0].curve.points[::-1].copy()
     motions = [
         PlannedMotion(
@@ -82,7 +82,7 @@ def long(two: MotionPlan) -> MotionPlan:
 
 
 def de_boor(points: np.ndarray, segment: float, time: float) -> np.ndarray:
-    """A point of a uniform cubic B-spline by repeated interpolation, as independent of Curve as can be."""
+    """Return a point of a uniform cubic B-spline by repeated interpolation, without any code of Curve."""
     along = time / segment
     k = min(int(along), len(points) - 4)
     level = [points[k + i] for i in range(4)]
@@ -116,7 +116,7 @@ def test_the_shares_are_those_of_the_executed_curve(two: MotionPlan, time: float
     position = (2 * q(time) - LOWER - UPPER) / (UPPER - LOWER)
     assert drawn.position[row] == pytest.approx(position, abs=1e-9)
     assert drawn.velocity[row] == pytest.approx(velocity / VELOCITY, abs=1e-5)
-    # between two segments the jerk jumps: the difference quotient is off by jerk times step
+    # the jerk jumps between two segments, so the difference quotient differs by jerk times step
     assert drawn.acceleration[row] == pytest.approx(acceleration / ACCELERATION, abs=1e-3)
 
 
@@ -159,7 +159,8 @@ def test_a_joint_without_limits_is_drawn_over_half_a_turn(two: MotionPlan) -> No
 def test_a_peak_has_a_name_and_a_time(two: MotionPlan) -> None:
     drawn = trace_of(two)
     peak = peak_of(drawn, drawn.velocity)
-    # 90 deg in 4 s, a third of it to speed up: 90 / (4 - 4 / 3) deg/s, but for whole segments
+    # the cruise speed of 90 deg in 4 s is 90 / (4 - 4 / 3) deg/s, because an acceleration takes a third of
+    # the time; rounding to whole segments changes it a little
     assert peak.share == pytest.approx(33.75 / VELOCITY, rel=1e-2)
     assert peak.column == 5
     assert 4.0 < peak.time < 6.0
@@ -316,7 +317,7 @@ def test_the_same_bytes_in_another_process(two: MotionPlan, program: Path) -> No
         "for file in sys.argv[2:]: main(['plot', sys.argv[1], '-o', file], standalone_mode=False)"
     )
     formats = ("png", "svg", "pdf")
-    # a user's own settings must not matter, nor what was drawn before
+    # neither a user's own settings nor earlier drawings may change the bytes
     for number, order in enumerate((formats, formats[::-1])):
         (program.parent / "matplotlibrc").write_text(f"font.size: {10 + 2 * number}\nbackend: TkAgg\n")
         files = [str(program.with_name(f"{number}.{format_}")) for format_ in order]
@@ -369,7 +370,7 @@ def test_dwells_have_their_place(tmp_path: Path) -> None:
     stands = (drawn.times < 1.0) | ((drawn.times > 3.0) & (drawn.times < 6.0)) | (drawn.times > 8.0)
     for values in (drawn.velocity, drawn.acceleration, drawn.jerk):
         assert not values[stands].any()
-    # where it ends and begins to stand, there is no jerk either, which a line would carry through
+    # at both ends of each rest there is a sample without jerk, so that no line is drawn through the rest
     for time in (0.0, 1.0, 3.0, 6.0, 8.0, 9.5):
         rows = np.abs(drawn.times - time) < 1e-9
         assert (drawn.jerk[rows] == 0.0).all(axis=1).any()

@@ -1,5 +1,5 @@
-"""What a plan's picture says beside the joints: the robot in its cell, waits, outputs, clearance, and the
-sorts of motions.
+"""The picture of a plan besides the joints: the robot in its cell, waits, outputs, clearance, and kinds of
+motions.
 """
 
 from __future__ import annotations
@@ -155,11 +155,11 @@ def test_triangles_within_a_box_are_a_part_of_the_body() -> None:
         whole = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
         whole /= np.linalg.norm(whole, axis=1, keepdims=True)
         normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-        # each piece faces as one of the triangles does, and lies in its plane
+        # each piece lies in the plane of one of the triangles, and faces as this triangle does
         facing = normals @ whole.T > 1.0 - 1e-9
         level = np.abs(np.einsum("ki,ji->kj", middle, whole) - np.einsum("ji,ji->j", triangles[:, 0], whole))
         assert (facing & (level < 1e-6)).any(axis=1).all()
-    # nothing is lost: a square of 200 leaves one of 120
+    # no area is lost: a square of 200 that is cut to 120 has the area of a square of 120
     square = np.array(
         [[[-100.0, -100, 0], [100, -100, 0], [100, 100, 0]], [[-100, -100, 0], [100, 100, 0], [-100, 100, 0]]]
     )
@@ -203,10 +203,10 @@ def test_after_ways_that_differ_an_output_is_unknown(acts: MotionPlan) -> None:
     assert list(rows) == ["GLUE", "READY", "LAMP"]
     assert rows["READY"].is_input
     assert [one[0] for one in rows["READY"].waits] == pytest.approx([2.0])
-    # GLUE is off after one way and on after the other
+    # GLUE is off after one branch and on after the other, so GLUE's row ends where the branches begin
     assert [value for _, _, value in rows["GLUE"].stretches] == [1.0]
     assert rows["GLUE"].stretches[0][1] == pytest.approx(3.5)
-    # both ways switch LAMP on
+    # both branches switch LAMP on
     (lamp,) = rows["LAMP"].stretches
     assert lamp == pytest.approx((3.5, 5.5, 1.0))
 
@@ -295,7 +295,7 @@ def test_no_text_lies_on_another(which: str, acts: MotionPlan, tmp_path: Path) -
 
 
 def overlaps(figure: object) -> list[tuple[str, str]]:
-    """Return the texts that lie on others, except for numbers and names in space; and those beyond the
+    """Return pairs of texts that overlap, except for numbers and names in 3D axes, and texts beyond the
     figure.
     """
     from matplotlib.text import Text
@@ -317,7 +317,7 @@ def overlaps(figure: object) -> list[tuple[str, str]]:
     boxes = [(text, box) for text, box in boxes if box.width > 0.0]
     assert len(boxes) > 30
     width, height = figure.bbox.width, figure.bbox.height  # type: ignore[attr-defined]
-    # the numbers of axes in space aren't where their boxes say; the labels are
+    # the boxes of numbers in 3D axes are wrong, but those of the axes' labels are right
     anywhere = [*texts, *(one for one in figure.findobj(Text) if one.get_text().endswith(" [mm]"))]  # type: ignore[attr-defined]
     all_boxes = [(one.get_text(), one.get_window_extent(renderer)) for one in anywhere]
     beyond = [

@@ -1,4 +1,4 @@
-"""Rows of the plot for the rules that motions keep."""
+"""Rows of the plot for the rules of KEEP."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ distance = 100
 
 
 def plan_of(folder: Path, text: str, cell: str = "") -> MotionPlan:
-    """The plan of a program, with a cell if there is one."""
+    """Return the plan of a program, with a cell if one is given."""
     (folder / "program.yarc").write_text(text)
     (folder / "cell.toml").write_text(cell)
     opened = open_program(
@@ -81,7 +81,8 @@ def test_rules_hold_from_their_first_motion_to_their_last(made: MotionPlan) -> N
     ]
     assert (above_b.begins, above_b.ends) == (begins[:1], ends[-1:])
     assert upright.begins == pytest.approx([begins[1], begins[3]])
-    assert upright.ends == pytest.approx([ends[1], ends[4]])  # with the WAIT between two motions
+    # one stretch, which includes the WAIT between two motions
+    assert upright.ends == pytest.approx([ends[1], ends[4]])
     assert (above.begins, above.ends) == (begins[1:2], ends[1:2])
     assert (seen.begins, seen.ends) == (begins[4:5], ends[4:5])
 
@@ -113,7 +114,7 @@ def test_the_rows_are_the_angles_and_distances_of_the_sampled_poses(made: Motion
             case 2:
                 found = (tcp[:, :3, 3] - table) @ axis * 1e3
             case _:
-                # the judge's own kinematics
+                # computed with the judge's own kinematics
                 both = np.array([seen_at(robot.chain, sight, one) for one in q])
                 found = np.degrees(both[:, 0]) if number == 3 else both[:, 1] * 1e3
         np.testing.assert_allclose(row.quantity.values, found, atol=1e-5)
@@ -121,7 +122,7 @@ def test_the_rows_are_the_angles_and_distances_of_the_sampled_poses(made: Motion
 
 def test_the_values_at_the_goals_are_those_of_the_text(made: MotionPlan) -> None:
     rows = kept_rows_of(made)
-    # {TABLE} is turned by 20 deg about y, and the tool stands upright
+    # {TABLE} is rotated by 20 deg about y, and the tool is upright
     assert rows[1].quantity.values[-1] == pytest.approx(20.0, abs=1e-4)
     turn = np.radians(20.0)
     above = -300.0 * np.sin(turn) + (900.0 - 200.0) * np.cos(turn)
@@ -137,7 +138,7 @@ def test_a_curve_has_no_samples_while_its_rule_doesn_t_hold(made: MotionPlan) ->
 
 
 def test_a_broken_rule_is_drawn_beyond_its_limit(made: MotionPlan) -> None:
-    """The rows are measured, and don't repeat the limit."""
+    """The rows contain measured values, which aren't cut off at the limit."""
     (upright,) = (one.keep for one in held_rules(made) if one.keep.kind == "UPRIGHT")
     (angle,) = measured(upright, made.robot.chain, made.robot.home[None] + 0.9)
     assert angle.values[0] > angle.most

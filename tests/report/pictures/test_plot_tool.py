@@ -1,5 +1,5 @@
-"""`yarc plot`: the frame that is followed, its speed, how near to a singularity, and corners that are
-passed in motion.
+"""`yarc plot`: the drawn frame, its speed, its distance from singularities, and corners that are passed in
+motion.
 """
 
 from __future__ import annotations
@@ -122,7 +122,7 @@ def test_corners_lie_where_the_commands_end(rounded: MotionPlan) -> None:
 
 
 def test_the_path_is_left_in_the_shaded_times_alone(rounded: MotionPlan) -> None:
-    """Between them the frame is on its lines, in them at most as far off as the ball allows."""
+    """The frame leaves its lines only during the shaded times, and then at most as far as the ball allows."""
     frame = drawn_frame(rounded)
     corners = passed_corners(rounded, frame)
     times = np.linspace(float(rounded.begins[1]), rounded.duration, 3000)
@@ -183,7 +183,7 @@ def test_balls_and_marks_are_in_the_picture(rounded: MotionPlan) -> None:
 
 
 def many(plan: MotionPlan, count: int) -> MotionPlan:
-    """The motions behind the first, again and again, each flowing into the next."""
+    """Return the two motions after the first, repeated; each flows into the next."""
     motions, steps = [], []
     for number in range(count):
         motion = plan.motions[1 + number % 2]
@@ -217,7 +217,7 @@ def test_long_programs_stay_bounded_and_readable(rounded: MotionPlan, count: int
 def test_any_curve_has_a_speed_and_a_measure(
     rounded: MotionPlan, segments: int, time: float, seed: int
 ) -> None:
-    """Neither is ever negative or undefined, whatever the joints do."""
+    """Speed and smallest singular value are finite and never negative, whatever the joints do."""
     points = np.random.default_rng(seed).uniform(-1.0, 1.0, (segments + 3, 6))
     motion = dataclasses.replace(rounded.motions[1], curve=Curve(points, time, points[:, 0]), overlap=0)
     plan = MotionPlan(rounded.program, rounded.robot, (motion,))

@@ -1,4 +1,4 @@
-"""The row of torques in the picture of a plan: there where masses are known, with Pinocchio's values."""
+"""The row of torques in the picture of a plan: it exists if masses are known, and has Pinocchio's values."""
 
 import numpy as np
 import pinocchio as pin

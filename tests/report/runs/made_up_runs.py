@@ -1,4 +1,4 @@
-"""Runs that never were: a plan that is executed as the test says, and told as a controller tells it."""
+"""Invented runs: a plan is executed as the test describes, and reported as a controller would report it."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ from yarclang.runtime.sample import Sample
 from yarclang.runtime.state import State
 
 ANCHOR = Anchor(5000.0, 1_790_000_000_000_000_000)
-"""When all of them start."""
+"""The start of all runs."""
 
 EACH = 0.04
-"""Between two samples [s]."""
+"""Time between two samples [s]."""
 
 TURNING = """\
 P0010 MOVEJ_LSPB 40 10 20 0 30 0 [3] (deg,s)
@@ -34,14 +34,14 @@ P0020 MOVEJ_LSPB 0 0 0 0 0 0 [4] (deg,s)
 P0030 MOVEJ_LSPB 30 10 20 15 30 60 [2] (deg,s)
 P0040 STOP
 """
-"""It goes back where it came from."""
+"""A program whose second motion returns to the start."""
 
 
 @cache
 def made(
     text: str = TURNING, robot: str = "INDUSTRIAL6", name: str = "turning.yarc"
 ) -> tuple[Job, MotionPlan]:
-    """A job and its plan."""
+    """Return a job and its plan."""
     compiled = yarclang.compile(text, robot=robot, name=name).value
     assert compiled is not None
     papers = Papers(text, json.dumps(compiled.certificate.to_json()))
@@ -52,8 +52,8 @@ def made(
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """Samples of one pass and the truth behind them: program times (N,), and the joints that were
-    commanded (N, n) [rad or m].
+    """Reported samples of one pass, and the true values behind them: program times (N,), and the commanded
+    joint positions (N, n) [rad or m].
     """
 
     notices: tuple[Notice, ...]
@@ -72,17 +72,17 @@ def samples(
     off: np.ndarray | float = 0.0,
     left_out: tuple[float, float] | None = None,
 ) -> Samples:
-    """What is reported of a pass.
+    """Return the reported samples of a pass.
 
     Args:
-        job: that is executed.
+        job: the executed job.
         plan: its plan.
         rate: the override at times of the clock, from the start of the pass.
-        length: of the pass [s of the clock]; as long as the program, if it isn't given.
-        begins: when it begins [s from the log's start].
-        seed: of what chance does to the program times.
-        off: added to what is commanded [rad or m].
-        left_out: the way of a WHEN that isn't taken, from when to when [s of the program].
+        length: duration of the pass [s of the clock]; by default that of the program.
+        begins: start of the pass [s from the log's start].
+        seed: seed of the random errors of the program times.
+        off: offset of the commanded joint positions [rad or m].
+        left_out: start and end of the branch of a WHEN that isn't executed [s of the program].
     """
     chance = np.random.default_rng(seed)
     fine = np.arange(0.0, plan.duration if length is None else length, 1e-3)
@@ -94,10 +94,11 @@ def samples(
     times = np.minimum(times, plan.duration)
     commanded = plan.sample(times)[0] + off
     later = plan.sample(np.minimum(times + 1e-3, plan.duration))[0]
-    lag = (later - plan.sample(times)[0]) / 1e-3 * 5e-4  # half a millisecond behind
+    lag = (later - plan.sample(times)[0]) / 1e-3 * 5e-4  # the motors are half a millisecond behind
     actual = np.round(to_counts(job.robot, commanded - lag) * 32.0) / 32.0
     following = np.round(to_counts(job.robot, commanded) - actual, 1)
-    # what the buffer says: whole segments, asked up to 50 ms ago, with two moves calculated ahead
+    # the reported program time comes from the buffer: whole segments, up to 50 ms old, with an error of one
+    # segment in either direction
     told = np.maximum(times - chance.uniform(0.0, 0.05, len(times)), 0.0)
     told = np.clip(
         np.floor(told / job.segment) * job.segment + chance.integers(-1, 2, len(times)) * job.segment,
@@ -114,7 +115,7 @@ def samples(
 def write(
     path: Path, job: Job, told: Sequence[Notice | Job], ended: Ended | None = None, *, version: str = "0.1.0"
 ) -> Path:
-    """Write a log of what was told, in the order of time; a job stands for its beginning."""
+    """Write a log of the notices, in the order of time. A job in the list means that this job begins."""
     with RunLog.open(path, job, "127.0.0.1:1025", version=version, anchor=ANCHOR) as log:
         for one in told:
             if isinstance(one, Job):
@@ -127,7 +128,7 @@ def write(
 
 
 def whole(path: Path, job: Job, plan: MotionPlan, **execution: object) -> tuple[Path, Samples]:
-    """A run that comes to its end."""
+    """Write the log of a run that comes to its end. Return its path and the samples."""
     seen = samples(job, plan, **execution)  # type: ignore[arg-type]
     first, last = seen.notices[0].time, seen.notices[-1].time
     told: list[Notice | Job] = [
@@ -145,7 +146,7 @@ def whole(path: Path, job: Job, plan: MotionPlan, **execution: object) -> tuple[
 
 
 def progress(job: Job, time: float, done: float) -> Progress:
-    """As the stream tells it."""
+    """Return the progress as the stream reports it."""
     command = job.command_at(done)
     title, line = (command.title, command.source_line) if command else ("", 0)
     return Progress(time, float(done), job.duration - float(done), title, line)

@@ -1,4 +1,4 @@
-"""Logs that are read back: whole ones, and whatever else people may give."""
+"""Reading of logs: complete ones, and damaged or other files."""
 
 import io
 import json
@@ -165,11 +165,11 @@ def test_joints_without_limits(tmp_path):
     assert robot.lower[3] == -np.inf
 
 
-# cut off, damaged, other things
+# truncated and damaged logs, other files
 
 
 def hold_moments(run):
-    """Check that everything that was told and recorded comes as a moment, each at its time."""
+    """Check that every recorded notice and sample is returned as a moment, with its time."""
     moments = list(moments_of(run))
     times = [*(float(time) for time in run.times), *(one.time for one in run.told)]
     np.testing.assert_array_equal(np.sort([one.time for one in moments]), np.sort(times))
@@ -177,7 +177,7 @@ def hold_moments(run):
 
 
 def shown(result):
-    """Everything that is done with a run: it must work with whatever was read."""
+    """Use a run in all possible ways. This must work for any file that could be read."""
     run = result.value
     hold_moments(run)
     planned = planned_motion(run)
@@ -199,7 +199,7 @@ def test_a_log_that_is_cut_off_anywhere_is_read_up_to_there(tally, log, tmp_path
     tally.count("read", result.value is not None)
     if result.value is None:
         assert codes(result) == ["Y1401"]
-        assert size < needed  # what is needed stands before it
+        assert size < needed  # everything that is needed is in the first `needed` bytes
         return
     assert codes(result) == ["Y1402"]
     assert "is unfinished" in result.diagnostics[0].message
@@ -210,7 +210,7 @@ def test_a_log_that_is_cut_off_anywhere_is_read_up_to_there(tally, log, tmp_path
 
 
 def test_the_more_is_there_the_more_is_read(tmp_path):
-    """Chunks end at each change of state."""
+    """A longer beginning of a log gives more samples, because a chunk ends at each change of state."""
     job, plan = made()
     seen = samples(job, plan).notices
     told = []
@@ -290,7 +290,7 @@ def test_the_log_of_something_else(tmp_path):
     path = mcap_of(tmp_path / "a.mcap", {"camera": {"a": "b"}}, b"{}")
     (finding,) = read_run(str(path)).diagnostics
     assert finding.code == "Y1401"
-    assert "something else" in finding.message
+    assert "is an MCAP file, but not a run log" in finding.message
 
 
 def test_another_format_is_another_version(tmp_path):
@@ -314,7 +314,7 @@ def test_files_that_are_not_there(tmp_path):
 
 
 def test_messages_of_another_kind_are_counted(log, tmp_path, monkeypatch):
-    """Whole chunks with valid sums, and nonsense in them."""
+    """The chunks are complete and their checksums right, but they contain messages without a meaning."""
     from yarclang.runtime.log_record import Record
 
     right = Record._positions
@@ -356,7 +356,7 @@ def test_what_describes_the_robot_is_damaged(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize(("chunks", "size"), [(1, 1 << 27), (40, 1 << 23)])
 def test_a_log_that_would_fill_the_memory(chunks, size, tmp_path):
-    """A few bytes that are unpacked to many, whatever the chunk says of its size."""
+    """A few bytes would be unpacked to a large chunk, whatever size the chunk states."""
     path = tmp_path / "bomb.mcap"
     with path.open("wb") as stream:
         writer = Writer(stream, chunk_size=size - 1000)

@@ -1,4 +1,4 @@
-"""A run as a picture: what its panels show, and the files that `yarc plot` writes of it."""
+"""The picture of a run: the contents of its panels, and the files that `yarc plot` writes."""
 
 import struct
 import subprocess
@@ -42,13 +42,13 @@ def good(tmp_path_factory):
 
 
 def rate(clock):
-    """A hold at 2 s for 2 s, half speed from 6 s on."""
+    """Return the override: a hold of 2 s at 2 s, half speed from 6 s on."""
     return np.interp(clock, [0, 2.0, 2.1, 4.0, 4.1, 6.0, 6.1], [1, 1, 0, 0, 1, 1, 0.5])
 
 
 @pytest.fixture(scope="module")
 def held(tmp_path_factory):
-    """Held, slowed down, and failed 10.1 s after its beginning, in P0030."""
+    """A run that is held, slowed down, and fails 10.1 s after its start, in P0030."""
     job, plan = made()
     seen = samples(job, plan, rate, length=10.0)
     told = [
@@ -57,7 +57,7 @@ def held(tmp_path_factory):
         Changed(T + 0.05, State.INIT, "loading"),
         Changed(T + 0.1, State.MOVE, ""),
         *seen.notices,
-        Changed(T + 2.1, State.HOLD, "a hold was asked for"),
+        Changed(T + 2.1, State.HOLD, "hold requested"),
         Changed(T + 4.1, State.MOVE, ""),
         Remark(T + 6.1, "override 50 %"),
         *(progress(job, one.time, time) for one, time in zip(seen.notices, seen.times, strict=True)),
@@ -90,11 +90,11 @@ def test_states_and_marks_have_times_of_the_run_and_of_the_program(held):
     ]
     hold = spans[State.HOLD]
     assert (hold.start, hold.end) == (2.1, 4.1)
-    # it takes 0.1 s to come to rest, at half the speed on the average, and then nothing
+    # braking takes 0.1 s, at half the speed on average; then the program time stands still
     assert hold.begins == pytest.approx(2.0, abs=2e-3)
     assert hold.ends == pytest.approx(2.05, abs=5e-3)
     assert spans[State.FAULT].begins == pytest.approx(seen.times[-1], abs=2e-3)
-    texts = ["hold: a hold was asked for", "override 50 %", "fault: motor 3: its amplifier reports a fault"]
+    texts = ["hold: hold requested", "override 50 %", "fault: motor 3: its amplifier reports a fault"]
     assert [mark.text for mark in this.marks] == texts
     assert [mark.time for mark in this.marks] == [2.1, 6.1, 10.1]
 
@@ -193,7 +193,7 @@ def test_passes_are_lines_of_their_own(tmp_path):
 
 
 def test_texts_do_not_overlap(held):
-    """Of the titles, of the list below, and of the numbers of what happened."""
+    """The titles, the list below, and the numbers of events don't overlap."""
     figure = run_plot._figure(shown(held[0]))
     renderer = figure.canvas.get_renderer()
     boxes = [text.get_window_extent(renderer) for text in figure.texts]
@@ -203,7 +203,7 @@ def test_texts_do_not_overlap(held):
 
 
 def test_inputs_and_outputs_are_rows_under_the_curves(tmp_path):
-    """When each was on, and when the robot waited: at the times of the log."""
+    """The rows show when each signal was on, and when the robot waited, at the times of the log."""
     job, plan = made()
     told = [
         *samples(job, plan).notices,
@@ -236,7 +236,7 @@ def test_inputs_and_outputs_are_rows_under_the_curves(tmp_path):
     assert len(labels) == 8
     assert labels[-2:] == ["READY", "GRIP"]
     assert "4 more: yarc replay" in axes.get_title(loc="right")
-    # names lie beside the panels on the left, and the axis lies above the list
+    # names are beside the panels on the left, and the time axis is above the list
     left = max(one.get_window_extent().x1 for one in figure.axes if one.get_title(loc="left").startswith("J"))
     assert min(one.get_window_extent().x0 for one in axes.get_yticklabels()) > left
     assert axes.get_tightbbox().y0 > max(
@@ -296,7 +296,7 @@ def test_yarc_plot_draws_a_log(good, tmp_path):
     assert call(good, "-o", "-").stdout_bytes == data
     assert call(good).exit_code == 0
     assert good.with_suffix(".png").read_bytes() == data
-    # a log by any other name
+    # a log with another file name
     other = tmp_path / "log"
     other.write_bytes(good.read_bytes())
     assert call(other, "-o", tmp_path / "y.png").exit_code == 0
@@ -336,7 +336,7 @@ def test_options_of_programs_are_wrong_for_a_log(good, option):
 
 
 def test_equal_logs_give_equal_bytes(held, tmp_path):
-    """Whatever a user's own settings are, and whatever was drawn before."""
+    """The bytes don't depend on a user's own settings or on earlier drawings."""
     code = (
         "import sys; from yarclang.cli.yarc import main\n"
         "for file in sys.argv[2:]: main(['plot', sys.argv[1], '-o', file], standalone_mode=False)"

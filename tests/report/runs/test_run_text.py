@@ -1,4 +1,4 @@
-"""A run as lines: the formats, and that a recorded run looks as the live one did."""
+"""A run as lines: the formats, and the agreement of a recorded run with the live one."""
 
 from dataclasses import replace
 
@@ -54,7 +54,7 @@ def test_joints_that_slide_are_in_mm(industrial6):
     ("notice", "text"),
     [
         (Changed(T, State.MOVE, ""), "move"),
-        (Changed(T, State.HOLD, "a hold was asked for"), "hold: a hold was asked for"),
+        (Changed(T, State.HOLD, "hold requested"), "hold: hold requested"),
         (Remark(T, "override 50 %"), "override 50 %"),
         (Remark(T, "the buffer ran low", warning=True), "warning: the buffer ran low"),
         (TWELVE, "P0010 MOVEL_RPY_LSPB  12.3 s, 27.7 s left"),
@@ -96,7 +96,7 @@ def test_a_line_never_wraps(text, width):
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory):
-    """An approach, then the program."""
+    """A run with an approach, followed by the program."""
     job, plan = made()
     way, way_plan = made("P0001 MOVEJ_LSPB 10 0 0 0 0 0 [3] (deg,s)\n", name="approach")
     first, then = samples(way, way_plan), samples(job, plan, begins=4.0)
@@ -130,7 +130,7 @@ def test_each_job_has_its_own_duration(run):
 
 
 def test_a_recorded_run_looks_as_the_live_one_did(run):
-    """The same notices through the same view."""
+    """The notices of the log and of the live run give the same lines."""
     job, plan = made()
     seen = samples(job, plan, begins=4.0)
     view = View(job.robot, job.lasting, State.MOVE)

@@ -1,6 +1,4 @@
-"""When in the program a sample was taken, and how far the robot was off: against runs whose truth is
-known.
-"""
+"""The program time of each sample, and the robot's deviation, compared with runs of known true values."""
 
 import numpy as np
 import pytest
@@ -35,7 +33,7 @@ def test_the_planned_motion_is_the_plan(tmp_path, text, robot):
     assert planned.duration == pytest.approx(plan.duration, abs=1e-9)
     times = np.linspace(-0.5, plan.duration + 0.5, 3001)
     q, v, *_ = plan.sample(np.clip(times, 0.0, plan.duration))
-    # the text has finitely many decimals
+    # the numbers in the text have a limited number of decimals
     assert planned.at(times)[0] == pytest.approx(q, abs=2e-7)
     inside = (times >= 0.0) & (times <= plan.duration)
     assert planned.at(times)[1][inside] == pytest.approx(v[inside], abs=1e-4)
@@ -79,7 +77,7 @@ def test_dwells_take_their_time(tmp_path_factory, seed):
     assert (np.diff(tracking.times) >= 0.0).all()
     assert (np.abs(tracking.off_path) < 3e-4 * DEG).all()
     truth = samples(job, plan, seed=seed).times
-    # where it stands, only the lines in the buffer tell
+    # while the robot is at rest, only the lines in the buffer give the time
     assert np.abs(tracking.times - truth).max() < 0.3
     assert (np.abs(tracking.error) < 0.1 * DEG).all()
 
@@ -131,7 +129,7 @@ def test_logs_of_before_have_times_without_dwells(tmp_path, monkeypatch):
 
 @st.composite
 def rates(draw):
-    """An override over the clock: ramps between 0 (a hold) and 1."""
+    """Draw an override over the clock: ramps between 0 (a hold) and 1."""
     return ramps(draw(st.lists(st.sampled_from([0.0, 0.1, 0.3, 0.5, 1.0, 1.0, 1.0]), min_size=2, max_size=6)))
 
 
@@ -142,7 +140,7 @@ def ramps(levels):
 
 @settings(max_examples=25)
 @given(rates(), st.integers(0, 1000))
-@example(ramps([0.1, 0.3, 1.0, 0.3, 0.0, 0.0]), 0)  # it ends in a hold
+@example(ramps([0.1, 0.3, 1.0, 0.3, 0.0, 0.0]), 0)  # ends in a hold
 def test_times_are_found_whatever_the_pace(tmp_path_factory, rate, seed):
     job, plan = made()
     path, truth = whole(tmp_path_factory.mktemp("t") / "a.mcap", job, plan, rate=rate, seed=seed)
@@ -153,13 +151,14 @@ def test_times_are_found_whatever_the_pace(tmp_path_factory, rate, seed):
     speed = np.linalg.norm(plan.sample(truth.times)[1], axis=1) / DEG
     late = np.abs(tracking.times - truth.times)
     assert (late < 0.2).all()
-    # where it turns slowly, a count or so decides; where a record ends in a turn, or in a hold within one,
-    # what was told does
+    # Only fast samples inside the record are precise to 1 ms. Where the robot reverses slowly, a rounding by
+    # one count changes the found time much. Where a record ends in a reversal, or in a hold during a
+    # reversal, only the reported times are known.
     moves = np.append(np.diff(truth.times) > 0.0, False)
     ends = run.times[moves][-1] if moves.any() else run.times[-1]
     inside = run.times < ends - 1.0
     assert (late[inside & (speed > 5.0)] < 1e-3).all()
-    # so that the error is what the robot is behind, and hardly anything else
+    # the tracking error is therefore nearly equal to the robot's lag
     behind = run.actual - plan.sample(truth.times)[0]
     assert np.abs(tracking.error - behind)[inside].max(initial=0.0) < 1e-2 * DEG
 
@@ -174,7 +173,7 @@ def test_the_times_that_were_told_are_much_worse(tmp_path):
 
 @pytest.mark.parametrize("distance", [0.01, 0.3, 5.0])
 def test_what_is_off_the_path_is_seen(tmp_path, distance):
-    """Aside of a path where one joint moves: another joint is off."""
+    """On a path where one joint moves, a deviation of another joint is detected."""
     job, plan = made("P0010 MOVEJ_LSPB 40 0 0 0 0 0 [4] (deg,s)\n", name="aside.yarc")
     aside = np.array([0.0, 0.0, 0.0, 0.0, distance, 0.0]) * DEG
     run, planned = opened(whole(tmp_path / "a.mcap", job, plan, off=aside)[0])
@@ -200,7 +199,9 @@ def test_each_pass_begins_again_and_the_way_to_the_start_is_left_out(tmp_path):
 
 
 def test_a_controller_whose_clock_is_fast(tmp_path):
-    """300 ppm, three times what quartzes are off: the program gains on the host's clock."""
+    """The controller's clock is 300 ppm fast, three times the error of a quartz, so the program gains on the
+    host's clock.
+    """
     job, plan = made(
         "\n".join(f"P{n:04} MOVEJ_LSPB {10 * (n % 2)} 0 0 0 0 0 [1] (deg,s)" for n in range(1, 90))
     )
@@ -212,7 +213,7 @@ def test_a_controller_whose_clock_is_fast(tmp_path):
 
 
 def test_a_robot_that_slides(tmp_path, industrial6):
-    """Of a robot with a prismatic joint, distances are in mm there."""
+    """For a robot with a prismatic joint, the distances of this joint are in mm."""
     from dataclasses import replace
 
     from yarclang.report.runs import messages as run_messages

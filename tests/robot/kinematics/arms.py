@@ -1,4 +1,4 @@
-"""The arms of these tests, from numbers."""
+"""Arms for the kinematics tests, defined by numbers."""
 
 from __future__ import annotations
 
@@ -19,7 +19,9 @@ JOINTS_SEED6 = [
 
 
 def chain_of(joints, flange=(0.0, 0.0, 0.0), prismatic=(), rotation=None) -> Chain:
-    """A chain from the joints' origins, each in the frame before (all parallel to {B}), and axes."""
+    """Return a chain that is given by its joints' origins and axes. Each origin is in the previous frame; all
+    frames are parallel to {B}.
+    """
     point = np.zeros(3)
     screws = []
     for index, (origin, axis) in enumerate(joints):
@@ -51,7 +53,7 @@ def degrees(*values) -> Array:
 
 
 def industrial6() -> tuple[Chain, Limits]:
-    """The paper's Fig. 5, flange without tool."""
+    """Return the arm of the paper's Fig. 5; its flange has no tool."""
     high = degrees(170, 135, 150, 190, 130, 360)
     return chain_of(JOINTS_SEED6), limits_of(-high, high)
 
@@ -61,7 +63,7 @@ TCP[1, 3] = 0.1
 
 
 def offset6() -> tuple[Chain, Limits]:
-    """The same with a wrist whose axes don't meet."""
+    """Return the arm of `industrial6` with a wrist whose axes don't meet."""
     joints = list(JOINTS_SEED6)
     joints[5] = ((0.03, 0.238, 0.05), (0, -1, 0))
     high = degrees(170, 135, 150, 190, 130, 360)
@@ -69,8 +71,8 @@ def offset6() -> tuple[Chain, Limits]:
 
 
 def skewed6() -> tuple[Chain, Limits]:
-    """A spherical wrist with axes that are not at right angles, shoulder and elbow with offsets, a
-    leaning base.
+    """Return an arm with a spherical wrist whose axes aren't at right angles, offsets at shoulder and elbow,
+    and a tilted base.
     """
     joints = [
         ((0.0, 0.0, 0.3), (0.1, 0.2, 1.0)),
@@ -85,7 +87,7 @@ def skewed6() -> tuple[Chain, Limits]:
 
 
 def scara4() -> tuple[Chain, Limits]:
-    """Two parallel turns, a slide, a turn: R R P R."""
+    """Return a SCARA: two parallel turning joints, a sliding joint, a turning joint (R R P R)."""
     joints = [
         ((0, 0, 0.2), (0, 0, 1)),
         ((0.3, 0, 0), (0, 0, 1)),
@@ -96,7 +98,7 @@ def scara4() -> tuple[Chain, Limits]:
 
 
 def seven7() -> tuple[Chain, Limits]:
-    """Seven joints, shoulder and wrist spherical."""
+    """Return an arm of seven joints with a spherical shoulder and wrist."""
     z, y = (0, 0, 1), (0, 1, 0)
     joints = [
         ((0, 0, 0.36), z),
@@ -112,14 +114,16 @@ def seven7() -> tuple[Chain, Limits]:
 
 
 def planar3() -> tuple[Chain, Limits]:
-    """Three parallel turns."""
+    """Return an arm of three parallel turning joints."""
     z = (0, 0, 1)
     high = np.full(3, 3.0)
     return chain_of([((0, 0, 0), z), ((0.4, 0, 0), z), ((0.3, 0, 0), z)], (0.1, 0, 0)), limits_of(-high, high)
 
 
 def slider9() -> tuple[Chain, Limits]:
-    """Nine joints, the first a slide: an arm with a spherical shoulder on a rail, and two more turns."""
+    """Return an arm of nine joints: an arm with a spherical shoulder on a rail, and two more
+    turning joints.
+    """
     x, y, z = (1, 0, 0), (0, 1, 0), (0, 0, 1)
     joints = [
         ((0, 0, 0.1), y),
@@ -137,8 +141,8 @@ def slider9() -> tuple[Chain, Limits]:
 
 
 def of_dh(rows, *, modified=False) -> Chain:
-    """A chain from Denavit and Hartenberg's a, alpha, d, theta at zero [m, rad], as makers publish them;
-    `modified`: Craig's, where a and alpha come first.
+    """Return a chain from Denavit-Hartenberg parameters a, alpha, d, theta at zero [m, rad], as manufacturers
+    publish them. With `modified`, these are Craig's parameters, where a and alpha come first.
     """
     frame, screws = np.eye(4), []
     for a, alpha, d, theta in rows:
@@ -219,7 +223,7 @@ COBOTS = {
         ]
     ),
 }
-"""Arms of six joints by their published parameters."""
+"""Arms of six joints, with their published parameters."""
 
 
 SEVEN = {
@@ -269,7 +273,7 @@ SEVEN = {
         ]
     ),
 }
-"""Arms of seven joints by their published parameters."""
+"""Arms of seven joints, with their published parameters."""
 
 SEVEN_LIMITS = {
     "iiwa14": degrees(170, 120, 170, 120, 170, 120, 175),
@@ -280,24 +284,28 @@ SEVEN_LIMITS = {
     "xarm7": (degrees(-360, -118, -360, -11, -360, -97, -360), degrees(360, 120, 360, 225, 360, 180, 360)),
     "gen3": np.array([math.inf, 2.24, math.inf, 2.57, math.inf, 2.09, math.inf]),
 }
-"""Their limits [rad]: the lower and the upper, or both by one."""
+"""Limits of the arms of seven joints [rad]: the lower and the upper ones, or one array for
+both directions.
+"""
 
 
 def seven(name: str) -> tuple[Chain, Limits]:
-    """An arm of seven joints."""
+    """Return an arm of seven joints and its limits."""
     high = SEVEN_LIMITS[name]
     return SEVEN[name], limits_of(*high) if isinstance(high, tuple) else limits_of(-high, high)
 
 
 def on_rail(chain: Chain, upper: Array, travel: float = 1.0) -> tuple[Chain, Limits]:
-    """An arm on a rail along x, limits (n,) to both sides [rad], `travel` [m] of the rail."""
+    """Return an arm on a rail along x. The limits (n,) of the joints [rad] and the `travel` of the rail [m]
+    apply to both directions.
+    """
     rail = np.array([[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]])
     high = np.r_[travel, upper]
     return Chain(frozen(np.vstack([rail, chain.screws])), chain.base_from_flange), limits_of(-high, high)
 
 
 def with_turn_at_tip(chain: Chain, upper: Array) -> tuple[Chain, Limits]:
-    """An arm with one more turn, beside and across its last."""
+    """Return an arm with a further turning joint after its last one, with an offset and a skewed axis."""
     home = chain.base_from_flange
     axis, point = home[:3, :3] @ np.array([0.0, 0.6, 0.8]), home[:3, 3] + [0.1, 0.02, 0.1]
     screws = np.vstack([chain.screws, np.r_[-np.cross(axis, point), axis]])
@@ -305,7 +313,7 @@ def with_turn_at_tip(chain: Chain, upper: Array) -> tuple[Chain, Limits]:
 
 
 def random6(rng) -> Chain:
-    """Six turns about axes by chance: none is parallel to another, none meet."""
+    """Return a random arm of six turning joints. No two axes are parallel, and none meet."""
     axes = rng.normal(size=(6, 3))
     axes /= np.linalg.norm(axes, axis=1)[:, None]
     points = np.cumsum(0.3 * rng.normal(size=(6, 3)), axis=0)
@@ -315,8 +323,8 @@ def random6(rng) -> Chain:
 
 
 def parallel6(rng) -> Chain:
-    """Six turns by chance, axes 2, 3 and 4 parallel in one sense or the other, axes 5 and 6 with a common
-    point.
+    """Return a random arm of six turning joints. Axes 2, 3 and 4 are parallel, in either direction; axes 5
+    and 6 meet.
     """
     axes = rng.normal(size=(6, 3))
     axes[2], axes[3] = (rng.choice([-1.0, 1.0]) * axes[1] for _ in range(2))
@@ -329,7 +337,7 @@ def parallel6(rng) -> Chain:
 
 
 def off_nominal(chain: Chain, rng, size: float) -> Chain:
-    """A chain as if it were calibrated: each axis off by about `size` [rad, and m]."""
+    """Return a chain as if it were calibrated: each axis is off by about `size` [rad, and m]."""
     axes = chain.screws[:, 3:] + size * rng.normal(size=(6, 3))
     points = np.cross(chain.screws[:, 3:], chain.screws[:, :3]) + size * rng.normal(size=(6, 3))
     axes /= np.linalg.norm(axes, axis=1)[:, None]
@@ -337,7 +345,9 @@ def off_nominal(chain: Chain, rng, size: float) -> Chain:
 
 
 def on_base(travel: float = 0.3) -> tuple[Chain, Limits]:
-    """Panda on a base that turns and goes straight, `travel` [m] to both sides: nine joints."""
+    """Return the Panda on a base with a turning and a sliding joint, which slides by `travel` [m] in both
+    directions: nine joints.
+    """
     chain, limits = seven("panda")
     place = np.array([0.15, 0.0, 0.38])
     arm = np.hstack([chain.screws[:, :3] + np.cross(place, chain.screws[:, 3:]), chain.screws[:, 3:]])
@@ -351,7 +361,9 @@ def on_base(travel: float = 0.3) -> tuple[Chain, Limits]:
 
 
 def yumi7() -> tuple[Chain, Limits]:
-    """An arm of seven joints about as ABB's YuMi: no three axes meet, no two neighbours are parallel."""
+    """Return an arm of seven joints, similar to ABB's YuMi: no three axes meet, and no two neighbours are
+    parallel.
+    """
     rows = [
         (-0.03, -RIGHT, 0.1, 0),
         (0.03, RIGHT, 0.0, 0),
@@ -367,7 +379,9 @@ def yumi7() -> tuple[Chain, Limits]:
 
 
 def sawyer7() -> tuple[Chain, Limits]:
-    """An arm of seven joints about as Rethink's Sawyer: neighbouring axes meet, no three do."""
+    """Return an arm of seven joints, similar to Rethink's Sawyer: neighbouring axes meet, but no
+    three axes.
+    """
     rows = [
         (0.081, -RIGHT, 0.317, 0),
         (0, RIGHT, 0.1925, RIGHT),

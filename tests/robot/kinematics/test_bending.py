@@ -1,4 +1,6 @@
-"""Other ways along a path for arms with spare joints: the same poses, less of a cost."""
+"""Tests of changing the joint path of an arm with spare joints: the poses stay the same, and a cost
+decreases.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,7 @@ ARMS = {
 
 
 def lines(arm, count, seed, length=0.25):
-    """Straight lines that the arm follows, with the way that it goes."""
+    """Yield straight lines that the arm can follow, each with a joint path."""
     chain, limits, starting, rng = starts(arm, count, seed)
     for q in starting:
         way = rng.normal(size=3)
@@ -33,7 +35,7 @@ def lines(arm, count, seed, length=0.25):
 
 
 def kept(chain, limits, pose_at, known, found):
-    """What holds of every way that is found."""
+    """Check what holds for each new joint path."""
     np.testing.assert_array_equal(found.q[0], known.q[0])
     assert (found.s[0], found.s[-1]) == (0.0, 1.0)
     assert np.abs(flange_poses(chain, found.q[1:]) - pose_at(found.s[1:])).max() < 1e-8
@@ -43,7 +45,9 @@ def kept(chain, limits, pose_at, known, found):
 
 @pytest.mark.parametrize("name", ARMS)
 def test_a_joint_keeps_out_of_where_it_was(name):
-    """A window of one joint is closed where the least motion ends."""
+    """A joint is forbidden to come near its position at the end of the known path. The new path avoids this
+    range.
+    """
     exercised = freed = 0
     for chain, limits, pose_at, known in lines(ARMS[name], 30, 3):
         joint = 2
@@ -66,8 +70,8 @@ def test_a_joint_keeps_out_of_where_it_was(name):
 
 
 def test_property_of_all_ways():
-    """Whatever the cost: each way keeps the poses, the start and the limits, and costs less than the one
-    known.
+    """For any cost, each new path keeps the poses, the start and the limits, and costs less than the known
+    path.
     """
     seen = {"ways": 0}
 
@@ -91,7 +95,7 @@ def test_property_of_all_ways():
 
 
 def test_singularities_are_left():
-    """The smallest singular value grows along lines on which it is small."""
+    """On lines with small singular values, the new path has larger ones."""
     tried = better = 0
     for chain, limits, pose_at, known in lines(arms.seven7, 40, 5, 0.2):
 
@@ -119,8 +123,9 @@ def test_an_arm_without_a_spare_joint_has_no_other_way():
 
 @pytest.mark.parametrize("name", ["panda", "slider9"])
 def test_what_is_not_found_is_not_looked_for_endlessly(name):
-    """A cost that goes down a little everywhere and never to nothing: about as many joint positions are
-    asked as for others, however long the line and however many joints.
+    """The search ends even if the cost can be reduced a little everywhere but never to zero. It evaluates
+    about as many joint positions as for other costs, however long the line is and however many joints there
+    are.
     """
     exercised = 0
     for chain, limits, pose_at, known in lines(ARMS[name], 12, 5, length=0.5):

@@ -1,4 +1,4 @@
-"""The elbow is where an arm bends."""
+"""Tests of finding the elbow, the point at which an arm bends."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,9 @@ X, Y, Z = np.eye(3)
 
 
 def chain(*joints, flange):
-    """Axes through points, an axis of zeros slides along the point."""
+    """Return a chain of axes through points. If the axis is zero, the joint slides along the
+    point's vector.
+    """
     screws = [
         np.concatenate([-np.cross(axis, point), axis]) if np.any(axis) else np.concatenate([point, axis])
         for axis, point in joints
@@ -62,7 +64,7 @@ def test_the_library(name):
 
 
 def test_where_the_arm_stands_changes_nothing():
-    """A turned and shifted base has the same elbow, turned and shifted."""
+    """If the base is rotated and shifted, the elbow is rotated and shifted in the same way."""
     turn, shift = rpy_rotation(np.array([0.3, 0.5, -0.7])), np.array([1.0, -2.0, 0.5])
     linear, angular = SEVEN.screws[:, :3] @ turn.T, SEVEN.screws[:, 3:] @ turn.T
     moved = np.eye(4)

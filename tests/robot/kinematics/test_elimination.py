@@ -1,5 +1,5 @@
-"""All solutions of arms of six turning joints: by elimination, with three parallel axes, and of calibrated
-arms.
+"""Tests of finding all solutions of arms with six turning joints: by elimination, with three parallel axes,
+and for calibrated arms.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def apart(one, other):
 
 
 def held(chain, poses, q, valid):
-    """Every solution stands at its pose, and no two are the same."""
+    """Check that each solution reaches its pose, and that no two are equal."""
     stand = flange_poses(chain, q.reshape(-1, 6)).reshape(*valid.shape, 4, 4)
     assert np.abs(stand - poses[:, None])[valid].max(initial=0.0) < 1e-8
     gap = apart(q[:, :, None], q[:, None]) + np.where(np.eye(q.shape[1], dtype=bool), 9.0, 0.0)
@@ -52,7 +52,9 @@ def held(chain, poses, q, valid):
 
 
 def origin(q, found, valid):
-    """How far the joint positions that made the poses are from the nearest solution."""
+    """Return the distances of the joint positions from which the poses were computed to the nearest
+    solutions.
+    """
     return np.where(valid, apart(found, q[:, None]), 9.0).min(axis=1)
 
 
@@ -62,7 +64,7 @@ def test_cobots(name):
     q, poses = drawn(chain)
     found, valid = branches(chain, poses)
     assert origin(q, found, valid).max() < 1e-5
-    # whatever the way, there are as many; a bent arm finds its own
+    # Both functions find equally many solutions.
     again, there = every_solution(chain, poses)
     held(chain, poses, again, there)
     assert valid.sum() == there.sum()
@@ -90,7 +92,7 @@ def test_random_arms_have_as_many_solutions_as_all_eliminations_together():
 
 
 def test_search_finds_nothing_that_elimination_doesnt():
-    """A search from many joint positions has nothing to do with the elimination."""
+    """A search from many joint positions, independent of the elimination, finds no further solution."""
     chain = arms.COBOTS["crb15000"]
     _, poses = drawn(chain, 5, 6)
     found, valid = branches(chain, poses)
@@ -116,7 +118,7 @@ def test_three_parallel_axes(seed):
     assert valid[:60].sum() == every_solution(chain, poses[:60])[1].sum()
     near, near_valid = branches(chain, flange_poses(chain, q + 1e-7))
     both = valid & near_valid
-    assert np.median(apart(found, near)[both]) < 1e-5  # the order is fixed
+    assert np.median(apart(found, near)[both]) < 1e-5  # the order of the solutions is fixed
 
 
 @pytest.mark.parametrize("exponent", [-1, -4, -8, -12, -16])
@@ -124,7 +126,7 @@ def test_the_last_axis_all_but_parallel_to_the_three(exponent):
     chain = arms.COBOTS["ur5"]
     q = np.array([[0.3, -1.2, 1.4, 0.5, 10.0**exponent, 0.7]])
     pose = flange_poses(chain, q)
-    # the seed turned about the parallel axes and back with the last
+    # In the seed, joint 2 is turned by 1 mrad, and joint 3 is turned back by as much.
     seed = q + np.array([0.0, 1e-3, -1e-3, 0.0, 0.0, 0.0])
     found, miss, turn = follow(chain, pose, seed)
     assert max(miss[0], turn[0]) < 1e-9
@@ -149,7 +151,7 @@ def test_calibrated_arms(name, size):
     held(chain, poses, found, valid)
     assert origin(q, found, valid).max() < 1e-5
     assert valid.sum() >= every_solution(chain, poses)[1].sum()
-    # in the order of the nominal arm
+    # The solutions have the order of the nominal arm.
     meant, there = branches(nominal, poses)
     both = valid[:, :8] & there
     assert both.sum() > 0.9 * there.sum()
@@ -177,7 +179,7 @@ def test_solutions_within_limits_nearest_first():
 
 @pytest.mark.parametrize("name", arms.COBOTS)
 def test_poses_that_leave_a_joint_free(name):
-    """Straight arms and wrists, which no elimination likes."""
+    """Poses with a straight arm or wrist leave a joint free, which is difficult for the elimination."""
     chain = arms.COBOTS[name]
     limits = arms.limits_of(np.full(6, -4.0), np.full(6, 4.0))
     for q in np.array(
@@ -188,7 +190,7 @@ def test_poses_that_leave_a_joint_free(name):
         assert isinstance(solved, Solutions)
         assert np.abs(solved.q[0] - q).max() < 1e-3, solved.q
         found, valid = branches(chain, pose)
-        if form_of(chain) is None:  # branches of a closed form meet here
+        if form_of(chain) is None:  # in a closed form, equal solutions stay in separate places
             held(chain, pose, found, valid)
         assert valid.any()
 
@@ -230,13 +232,13 @@ ODD = {
     "far away": [((1e3, 0, 0), (0, 1, 0)), *arms.JOINTS_SEED6[1:]],
     "tiny": [(1e-4 * np.array(point), axis) for point, axis in arms.JOINTS_SEED6],
 }
-"""Arms that nobody builds but a URDF may describe."""
+"""Arms that nobody builds, but that a URDF may describe."""
 
 
 @pytest.mark.filterwarnings("error::RuntimeWarning")
 @pytest.mark.parametrize("name", ODD)
 def test_odd_arms_are_answered(name):
-    """Whatever is found stands at its pose; nothing is raised."""
+    """Each solution reaches its pose, and no exception is raised."""
     chain = arms.chain_of(ODD[name], flange=(0.1, 0.02, 0.0))
     limits = arms.limits_of(np.full(6, -3.0), np.full(6, 3.0))
     q = np.random.default_rng(8).uniform(-2.5, 2.5, (3, 6))
@@ -279,14 +281,15 @@ def test_lines_of_three_parallel_axes_are_those_that_iteration_follows():
 
 @pytest.mark.parametrize("bend", [0.0, 1e-12, 1e-7])
 def test_a_line_that_begins_where_the_last_axis_is_parallel_to_the_three(bend):
-    """Sideways from there the hand would have to swing; in the plane across the parallel axes nothing
-    changes.
+    """At the start, the last axis is parallel to the three parallel axes. A line out of their plane is
+    impossible, because the hand would have to swing. A line in the plane across the parallel axes is
+    possible.
     """
     chain = arms.COBOTS["ur5"]
     limits = arms.limits_of(np.full(6, -6.2), np.full(6, 6.2))
     q = np.array([0.0, -1.2, 1.4, 0.5, bend, 0.7])
     pose = flange_poses(chain, q[None])[0]
-    # axis 1 stands still if the way is in the plane that the three joints move in
+    # If the line is in the plane in which the three joints move, axis 1 stands still.
     found = track(chain, limits, straight(pose, np.array([0.05, 0.0, 0.04])), q, reason="any")
     assert isinstance(found, Track)
     assert (

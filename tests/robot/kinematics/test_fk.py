@@ -1,4 +1,4 @@
-"""Forward kinematics and Jacobians: the paper's arm, finite differences, Pinocchio."""
+"""Tests of forward kinematics and Jacobians, by the paper's arm, finite differences and Pinocchio."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def test_jacobian_against_finite_differences(arm):
 
 
 def test_screws_of_any_length_and_pitch():
-    """A joint may count in other units than rad or m, and may advance as it turns."""
+    """A joint may have other units than rad or m, and may be a screw joint."""
     chain, _ = arms.industrial6()
     screws = chain.screws.copy()
     screws[1] *= 0.5
@@ -122,7 +122,7 @@ def test_reach_radii_bound_the_lever(arm):
     _, jacobians = poses_and_jacobians(chain, q, arms.TCP)
     levers = np.linalg.norm(jacobians[:, :3], axis=1).max(axis=0)
     assert (levers <= bounds + 1e-12).all()
-    # not a wild bound either
+    # The bounds aren't much too large.
     assert (bounds <= 2.5 * levers + 1e-9).all()
 
 

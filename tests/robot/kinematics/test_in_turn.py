@@ -1,4 +1,4 @@
-"""Poses that are solved together are solved as one after the other."""
+"""Tests that poses solved together have the same solutions as poses solved one after the other."""
 
 import numpy as np
 from floors import exercises
@@ -58,7 +58,7 @@ def test_one_branch_is_that_of_all_to_the_last_bit(tally, seed, branch, count):
     arm = wristed_arm(chain)
     assert arm is not None
     q = chance.uniform(np.maximum(limits.lower, -3.0), np.minimum(limits.upper, 3.0), (count, 6))
-    # straight wrists, and poses out of reach
+    # Some poses have a straight wrist, and some are out of reach.
     q[chance.random(count) < 0.1 * (seed % 2), 4] = 0.0
     poses = flange_poses(chain, q)
     poses[chance.random(count) < 0.1, :3, 3] *= 2.0

@@ -1,4 +1,4 @@
-"""Branches and the solution next to a seed."""
+"""Tests of inverse kinematics: all branches, and the solution next to a seed."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ positions = st.lists(angles, min_size=6, max_size=6).map(np.array)
 
 
 def apart(first, second):
-    """The largest joint difference, full turns aside."""
+    """Return the largest difference between two joint positions, without full turns."""
     away = np.asarray(first) - np.asarray(second)
     return np.abs(away - 2 * np.pi * np.round(away / (2 * np.pi))).max(axis=-1)
 
@@ -34,7 +34,7 @@ def test_which_arms_have_a_closed_form():
     assert all(wristed_arm(arm()[0]) is not None for arm in WRISTED)
     assert all(form_of(arm()[0]) is None for arm in OTHER)
     chain, _ = arms.industrial6()
-    # a millionth of a metre off: no longer
+    # An offset of a micrometre is enough to lose the closed form.
     screws = chain.screws.copy()
     screws[5, 2] += 1e-6
     assert wristed_arm(Chain(arms.frozen(screws), chain.base_from_flange)) is None
@@ -46,7 +46,8 @@ def test_which_arms_have_a_closed_form():
 def test_every_branch_reaches_the_pose_and_one_is_the_origin(arm, q):
     chain, _ = arm()
     pose = flange_poses(chain, q[None])
-    # the position that made the pose is one of them, unless it is a singular one of a continuum
+    # The joint position from which the pose was computed is one of the solutions, unless it is singular and
+    # belongs to a continuum.
     found, valid = branches(chain, pose, hold=q)
     assert pose_error(chain, found[0, valid[0]], pose).max() < 1e-9
     gap = apart(found[0, valid[0]], q).min()
@@ -71,7 +72,7 @@ def test_branches_of_a_batch(arm):
     assert errors[valid].max() < 1e-12
     assert errors[~valid].min() > 1e-8
     assert np.where(valid, apart(found, q[:, None]), 9.0).min(axis=1).max() < 1e-8
-    # the order is fixed: a neighbour's branches are neighbours
+    # The order is fixed: nearby poses have nearby branches.
     near, near_valid = branches(chain, flange_poses(chain, q + 1e-7))
     both = valid & near_valid
     assert np.median(apart(found, near)[both]) < 1e-5
@@ -115,7 +116,9 @@ def test_follow_finds_the_solution_next_to_the_seed(arm):
 
 @pytest.mark.parametrize("arm", WRISTED)
 def test_the_digits_of_the_seed_say_nothing(arm):
-    """A seed chooses a branch and a turn; the joint positions are the pose's own, to the last bit."""
+    """The seed only chooses a branch and full turns. The joint positions depend only on the pose, to the last
+    bit.
+    """
     chain, limits = arm()
     rng = np.random.default_rng(3)
     q = rng.uniform(limits.lower, limits.upper, (300, chain.size))
@@ -145,7 +148,9 @@ def test_follow_keeps_the_turn_of_the_seed():
     sign=st.sampled_from([-1, 1]),
 )
 def test_accurate_as_the_wrist_straightens(exponent, q4, held, q6, sign):
-    """However small sin q5: the pose holds to 1e-9, and q4 goes smoothly from the seed's to its own."""
+    """However small sin q5 is, the pose is reached to 1e-9, and q4 changes smoothly from the seed's value to
+    the value that the pose determines.
+    """
     chain, _ = arms.industrial6()
     q5 = sign * 10.0**exponent
     q = np.array([[0.3, 0.2, -0.4, q4, q5, q6]])
@@ -154,7 +159,8 @@ def test_accurate_as_the_wrist_straightens(exponent, q4, held, q6, sign):
     found, miss, turn = follow(chain, pose, seed)
     assert max(miss[0], turn[0]) < 1e-9
     assert pose_error(chain, found, pose)[0] < 1e-9
-    # of two wrists at most 90 deg from the seed, so the nearer to it is this one
+    # q4 is at most 1.2 rad from the seed, and q4 of the flipped wrist at least 1.9 rad. So the result is q,
+    # unless q5 is so small that q4 is held.
     if abs(q5) > 1e3 * HOLD:
         np.testing.assert_allclose(found, q, atol=1e-5)
     if abs(q5) < 1e-3 * HOLD:
@@ -162,7 +168,7 @@ def test_accurate_as_the_wrist_straightens(exponent, q4, held, q6, sign):
 
 
 def test_smooth_through_the_straight_wrist():
-    """Solutions next to each other stay next to each other, at any distance from the singularity."""
+    """Neighbouring poses have neighbouring solutions, at any distance from the singularity."""
     chain, _ = arms.industrial6()
     q5 = np.concatenate([-np.geomspace(1e-2, 1e-15, 400), [0.0], np.geomspace(1e-15, 1e-2, 400)])
     q = np.zeros((len(q5), 6))
@@ -176,7 +182,7 @@ def test_smooth_through_the_straight_wrist():
 def test_held_shoulder_over_axis_1():
     chain, _ = arms.industrial6()
     form = wristed_arm(chain)
-    # the wrist centre on axis 1: q1 is free
+    # With the wrist center on axis 1, q1 is free.
     stretch = form.upper + form.fore
     goal = np.eye(4)
     goal[:3, 3] = [0.0, 0.238, 0.679 + 0.7 * stretch]

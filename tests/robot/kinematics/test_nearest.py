@@ -1,4 +1,4 @@
-"""The solutions of one pose within limits, nearest first, and the reasons for none."""
+"""Tests of the solutions of a pose within limits, nearest first, and of the reasons if there is none."""
 
 from __future__ import annotations
 
@@ -66,10 +66,10 @@ def test_home_is_home():
     for q4 in (0.0, 0.4, -1.0):
         home = np.array([0, 0, 0, q4, 0, -q4])
         found = nearest_solutions(chain, limits, chain.base_from_flange, home)
-        # where both wrist axes are one, a rounding of 1e-16 in the pose is one of 1e-11 in them, on some
-        # processors
+        # Where both wrist axes coincide, a rounding error of 1e-16 in the pose gives an error of 1e-11 in the
+        # joints, on some processors.
         np.testing.assert_allclose(found.q[0], home, atol=1e-10)
-        # the two wrists have become one
+        # The two solutions of the wrist have become one.
         assert np.abs(np.diff(found.q, axis=0)).max(axis=1).min() > 1e-3
 
 
@@ -133,7 +133,7 @@ def test_nearest_of_arms_without_closed_form(arm):
         if chain.size > 6 and ((q < low) | (q > high)).any():
             assert ((found.q[0] >= low - 1e-8) & (found.q[0] <= high + 1e-8)).all()
             continue
-        # at least as near as the one that made the pose
+        # The solution is at least as near as the joint position from which the pose was computed.
         assert np.square(found.q[0] - reference).sum() <= np.square(q - reference).sum() + 1e-6
 
 
@@ -150,10 +150,10 @@ def test_full_turns():
 
 
 def stretched(chain, q):
-    """`q` with the elbow straight, and the direction from shoulder to wrist."""
+    """Return `q` with a straight elbow, and the direction from shoulder to wrist."""
     fore = math.hypot(0.195, 0.4369 + 0.1995)
     q = q.copy()
-    # joint 3 so that axis 2, axis 3 and the wrist centre are in line
+    # Turn joint 3 so that axis 2, axis 3 and the wrist center are in line.
     q[2] = math.pi / 2 - math.atan2(0.195, 0.6364)
     pose = flange_poses(chain, q[None])[0]
     wrist = pose[:3, 3] - pose[:3, :3] @ [0, 0.238, 0]
@@ -173,7 +173,7 @@ def test_out_of_reach_by_a_known_distance(miss):
     assert found.kind == "reach"
     assert abs(found.miss - miss) < 1e-3
     assert found.miss_angle < 1e-3
-    # and just within reach there is one
+    # Just within reach, there is a solution.
     pose[:3, 3] -= (miss + 1e-6) * outwards
     free = arms.limits_of(np.full(6, -7.0), np.full(6, 7.0))
     assert isinstance(nearest_solutions(chain, free, pose, np.zeros(6)), Solutions)
@@ -186,13 +186,13 @@ def test_out_of_reach_of_an_arm_without_closed_form():
     found = nearest_solutions(chain, limits, pose, np.full(3, 0.3))
     assert found.kind == "reach"
     assert abs(found.miss - 0.041) < 1e-3
-    # out of its plane: the height can't be helped
+    # A position out of the arm's plane: the miss is this position's distance from the plane.
     pose[:3, 3] = [0.5, 0.1, 0.25]
     found = nearest_solutions(chain, limits, pose, np.full(3, 0.3))
     assert found.kind == "reach"
     assert abs(found.miss - 0.25) < 1e-3
     assert found.miss_angle < 1e-3
-    # an orientation that it can't have
+    # An orientation that the arm can't reach.
     pose[:3, :3] = Rotation.from_euler("x", 0.2).as_matrix()
     pose[2, 3] = 0.0
     found = nearest_solutions(chain, limits, pose, np.full(3, 0.3))
@@ -229,7 +229,7 @@ def test_limits_of_a_slide():
 
 
 def test_the_same_every_time():
-    """For arms that are read anew each time, and with limits that stay as they were."""
+    """Results are equal each time, for arms that are read anew, and the limits aren't changed."""
     chain, limits = arms.industrial6()
     ends = limits.lower.copy(), limits.upper.copy()
     home = np.zeros(6)
@@ -247,7 +247,7 @@ def test_what_is_surely_reached_has_a_solution_and_hardly_anything_is_left_unsee
     random = np.random.default_rng(seed)
     stands = random.uniform(limits.lower, limits.upper, (20, 6))
     poses = flange_poses(chain, stands)
-    poses[10:, :3, 3] *= random.uniform(0.5, 3.0, (10, 1))  # some of them out of reach
+    poses[10:, :3, 3] *= random.uniform(0.5, 3.0, (10, 1))  # some of them are out of reach
     poses[-1] = chain.base_from_flange  # a straight wrist
     sure = surely_reached(chain, limits, poses)
     found = [

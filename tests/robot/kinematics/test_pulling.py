@@ -1,4 +1,4 @@
-"""The nearest solution of arms with more joints than a pose needs and no closed form."""
+"""Tests of the nearest solution of arms with spare joints and no closed form."""
 
 from __future__ import annotations
 
@@ -26,7 +26,9 @@ ARMS = {
 
 
 def tasks(arm, count, seed):
-    """Poses of joint positions within limits, and others to start from, every second one near."""
+    """Return joint positions, their poses, and reference positions for the search. Every second reference is
+    near.
+    """
     chain, limits = arm()
     rng = np.random.default_rng(seed)
     q = rng.uniform(0.95 * limits.lower, 0.95 * limits.upper, (count, chain.size))
@@ -37,8 +39,8 @@ def tasks(arm, count, seed):
 
 @pytest.mark.parametrize("name", ["yumi", "base", "slider9"])
 def test_no_joint_position_near_the_found_one_is_nearer(name):
-    """At the nearest solution the way to the reference has no share in the null space, but for joints at
-    their limits.
+    """At the nearest solution, the direction to the reference has no component in the null space, except for
+    joints at their limits.
     """
     chain, limits, q, poses, near = tasks(ARMS[name], 12, 0)
     free = 0
@@ -61,7 +63,9 @@ def test_no_joint_position_near_the_found_one_is_nearer(name):
 
 
 def test_it_is_about_as_near_as_that_of_all_branches():
-    """Panda, whose closed form looks at all branches all along the self-motion."""
+    """For the Panda, the result is about as near as the nearest of all branches along the self-motion, found
+    by its closed form.
+    """
     chain, limits, _, poses, near = tasks(ARMS["panda"], 40, 1)
     form, farther = spare_form(chain), 0
     assert form is not None
@@ -79,7 +83,9 @@ def test_it_is_about_as_near_as_that_of_all_branches():
 
 @pytest.mark.parametrize("name", ARMS)
 def test_seeds_nearly_reach_the_pose(name):
-    """Rows of the table with the first and last joint as the pose needs them."""
+    """The seeds nearly reach the pose: they are rows of the table, with the first and last joint turned as
+    the pose requires.
+    """
     chain, limits, _, poses, near = tasks(ARMS[name], 10, 2)
     off, at_random = [], []
     for pose, reference in zip(poses, near, strict=True):
@@ -95,8 +101,8 @@ def test_seeds_nearly_reach_the_pose(name):
 @settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
 @given(st.integers(0, 10**6))
 def test_arms_by_chance(seed):
-    """Seven joints by chance, some of them slides: what is found reaches the pose within limits, and a
-    pose that was made is found.
+    """For random arms of seven joints, some of them sliding, solutions reach the pose within limits. Poses of
+    known joint positions are solved.
     """
     rng = np.random.default_rng(seed)
     axes = rng.normal(size=(7, 3))
@@ -134,7 +140,7 @@ LIMITS = {
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("name", LIMITS)
 def test_limits_of_all_kinds(name):
-    """Of a base; the arm has its own. Poses are found, and lines are followed, far away too."""
+    """With various limits of the base's joints, poses are reached and lines are followed, also far away."""
     chain, own = arms.on_base()
     lower, upper = (
         np.r_[given_, own_[len(given_) :]]

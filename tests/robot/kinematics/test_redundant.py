@@ -1,4 +1,4 @@
-"""Arms with more joints than a pose needs: their self-motion, and lines that keep within limits by it."""
+"""Tests of arms with spare joints: their self-motion, and lines that need it to stay within limits."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ REDUNDANT = [arms.seven7, arms.slider9]
 
 
 def line(pose, way):
-    """A straight way (3,) [m] from a pose, without a turn."""
+    """Return a straight path (3,) [m] from a pose, with constant orientation."""
 
     def pose_at(s):
         poses = np.repeat(pose[None], len(s), axis=0)
@@ -44,7 +44,7 @@ def test_the_flange_stays_where_it_is(arm):
         assert np.abs(flange_poses(chain, found) - pose).max(initial=0.0) < 1e-9
         assert np.abs(beyond(limits, found)).max(initial=0.0) <= 1e-8
         total += len(found)
-        # each is a small step from another
+        # Each position of the self-motion is a small step away from another one.
         every = np.vstack([q, found])
         apart = np.abs((every[:, None] - every[None]) / weights(chain, limits) * np.pi).max(axis=2)
         np.fill_diagonal(apart, 9.0)
@@ -53,8 +53,8 @@ def test_the_flange_stays_where_it_is(arm):
 
 
 def test_it_goes_all_round_as_far_as_limits_allow():
-    """With shoulder, elbow and wrist in line the elbow of seven joints goes round a circle: both ends are
-    limits of joints, or all of it is seen.
+    """The self-motion is found completely: the elbow of an arm with seven joints moves on a circle, up to
+    joint limits at both ends, or all round.
     """
     chain, limits = arms.seven7()
     free = arms.limits_of(np.full(7, -np.inf), np.full(7, np.inf))
@@ -75,7 +75,9 @@ def test_arms_without_a_spare_joint_have_none():
 
 
 def test_lines_keep_within_limits_by_the_null_space():
-    """A rail and eight turns: the least motion leaves some limit where another one needn't."""
+    """On some lines, the smallest joint motion of a rail with eight revolute joints would exceed a joint
+    limit. On these lines, a motion within the limits is found by using the null space.
+    """
     chain, limits, starting, rng = starts(arms.slider9, 40)
     plain = kept = 0
     for q in starting:
@@ -98,8 +100,8 @@ def test_lines_keep_within_limits_by_the_null_space():
 
 @pytest.mark.parametrize("arm", [arms.slider9, arms.on_base, lambda: arms.seven("panda")])
 def test_joints_at_their_limits_stay_there_and_the_others_make_up_for_it(arm):
-    """Lines that begin next to limits, of slides above all: found where neither the least motion nor that
-    away from limits keeps within them.
+    """Lines that begin next to limits, above all of sliding joints, are followed even if neither the least
+    motion nor a motion away from limits stays within the limits.
     """
     chain, limits, starting, rng = starts(arm, 24, 7)
     slides = np.flatnonzero(chain.is_prismatic)
@@ -117,7 +119,8 @@ def test_joints_at_their_limits_stay_there_and_the_others_make_up_for_it(arm):
         if any(one.end == "whole" and np.abs(beyond(limits, one.q)).max() <= 1e-8 for one in before):
             continue
         more += 1
-        # between the places as well, where the joints are solved from the curve through them
+        # Between the samples, where the joints are solved from the curve through the samples, this holds as
+        # well.
         s = np.linspace(0.0, 1.0, 301)
         joints, miss, turn = follow(chain, pose_at(s), found.at(s))
         assert max(miss.max(), turn.max()) < 1e-8

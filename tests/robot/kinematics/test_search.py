@@ -1,4 +1,4 @@
-"""Joint positions for many poses at once, without a seed."""
+"""Tests of joint positions for many poses at once, without a seed."""
 
 from __future__ import annotations
 

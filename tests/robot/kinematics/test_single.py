@@ -1,4 +1,6 @@
-"""One joint position at a time: the same as batches of one, for turning and sliding joints."""
+"""Tests that a single joint position gives the same result as a batch of one, for turning and
+sliding joints.
+"""
 
 from __future__ import annotations
 

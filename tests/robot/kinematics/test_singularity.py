@@ -1,4 +1,4 @@
-"""How near a singularity is, against numpy's SVD and finite differences."""
+"""Tests of the distance from singularities, by numpy's SVD and finite differences."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def drawn(arm, count=20, seed=3):
 
 
 def differences(chain, q, tool, step=1e-6):
-    """The Jacobian (6, n) at `q` (n,) by central differences of forward kinematics."""
+    """Return the Jacobian (6, n) at `q` (n,), by central differences of forward kinematics."""
     columns = []
     (here,) = tool_poses(chain, q[None], tool)
     for joint in range(chain.size):
@@ -47,7 +47,7 @@ def test_smallest_is_that_of_the_weighted_jacobian(arm):
         scaled = np.diag([1 / length] * 3 + [1.0] * 3) @ jacobian @ np.diag(weights)
         values = np.linalg.svd(scaled, compute_uv=False)
         assert near.smallest[row] == pytest.approx(values[min(6, chain.size) - 1], abs=1e-8)
-        # the motion that it names moves the tool by just so much, in the direction that it names
+        # The reported joint motion moves the tool by the smallest singular value, in the reported direction.
         np.testing.assert_allclose(scaled @ near.joints[row], near.smallest[row] * near.twist[row], atol=1e-8)
         assert np.linalg.norm(near.joints[row]) == pytest.approx(1.0)
     np.testing.assert_allclose(smallest_singular_values(chain, q, TOOL), near.smallest, atol=1e-12)

@@ -1,6 +1,4 @@
-"""Arms with one joint more than a pose needs: their closed form with that joint held, and the nearest
-solutions by it.
-"""
+"""Tests of arms with one spare joint: their closed form with this joint held, and their nearest solutions."""
 
 from __future__ import annotations
 
@@ -27,12 +25,12 @@ ARMS = {
 
 
 def drawn(limits, rng):
-    """A joint position within limits, turns within half a turn of zero."""
+    """Return a random joint position within limits. Turning joints are within half a turn of zero."""
     return rng.uniform(np.maximum(limits.lower, -np.pi), np.minimum(limits.upper, np.pi))
 
 
 def apart(q, other):
-    """How far joint positions are from another one, but for full turns."""
+    """Return the distances of joint positions from another one, without full turns."""
     away = q - other
     return np.abs(away - 2.0 * np.pi * np.round(away / (2.0 * np.pi))).max(axis=-1)
 
@@ -62,7 +60,7 @@ def test_other_arms_have_none():
     ]
     for chain in chains:
         assert spare_form(chain) is None
-    # no axes meet any more
+    # After small random changes of all its axes, no axes of the Panda meet any more.
     panda = arms.SEVEN["panda"]
     screws = panda.screws + 1e-4 * rng.normal(size=panda.screws.shape)
     screws[:, 3:] /= np.linalg.norm(screws[:, 3:], axis=1)[:, None]
@@ -101,7 +99,7 @@ def test_joints_that_a_singularity_frees_are_held(name):
 
 @pytest.mark.parametrize("name", ARMS)
 def test_no_sample_is_nearer(name):
-    """What is found is compared with 4,000 samples of the spare joint."""
+    """No solution at 4,000 samples of the spare joint is nearer than the result."""
     chain, limits = ARMS[name]
     form = spare_form(chain)
     rng = np.random.default_rng(4)
@@ -143,8 +141,8 @@ def test_where_it_stands_is_nearest(name):
 
 
 def test_a_pose_that_leaves_more_joints_free_is_searched_as_well(monkeypatch):
-    """An arm stretched out in line leaves several joints free at once: the closed form, which holds them,
-    isn't all there is.
+    """A stretched arm has several free joints at once. The closed form keeps them fixed, so other solutions
+    are searched for as well.
     """
     chain, limits = ARMS["iiwa14"]
     pose = flange_poses(chain, np.zeros((1, 7)))[0]

@@ -1,4 +1,6 @@
-"""Following paths: the paper's line, exact passage through singularities, every kind of break."""
+"""Tests of following paths: the paper's line, exact passage through singularities, and all kinds
+of breaks.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,7 @@ DATA = Path(__file__).parents[2] / "conformance"
 
 
 def line(first, last):
-    """The straight line between two poses (4, 4), turning about one axis."""
+    """Return the straight line between two poses (4, 4), with a turn about one axis."""
     turn = Rotation.from_matrix(first[:3, :3].T @ last[:3, :3]).as_rotvec()
 
     def pose_at(s):
@@ -42,7 +44,7 @@ def line(first, last):
 
 
 def moved(pose, way=(0, 0, 0), turn=(0, 0, 0)):
-    """`pose` moved along {B} and turned about its own axes."""
+    """Return `pose` moved along {B} and turned about its own axes."""
     result = pose.copy()
     result[:3, 3] += way
     result[:3, :3] = result[:3, :3] @ Rotation.from_rotvec(turn).as_matrix()
@@ -50,7 +52,9 @@ def moved(pose, way=(0, 0, 0), turn=(0, 0, 0)):
 
 
 def check(chain, limits, pose_at, q_start, found):
-    """The track starts right, has no jumps, and its seeds lead to exact solutions all along."""
+    """Check that the track begins at the start, has no jumps, and that its seeds lead to exact solutions
+    everywhere.
+    """
     assert isinstance(found, Track), found
     assert not found.s.flags.writeable
     assert not found.q.flags.writeable
@@ -61,7 +65,7 @@ def check(chain, limits, pose_at, q_start, found):
     assert np.abs(np.diff(found.q, axis=0)).max() <= 0.2
     assert (found.q >= limits.lower - 1e-8).all()
     assert (found.q <= limits.upper + 1e-8).all()
-    # the skeleton itself, and five places between any two of its samples
+    # Check the track's samples, and five positions between each two of them.
     share = np.linspace(0, 1, 7)[:-1]
     s = np.append((found.s[:-1, None] + np.diff(found.s)[:, None] * share).ravel(), 1.0)
     q, miss, turn = follow(chain, pose_at(s), found.at(s))
@@ -96,7 +100,7 @@ def test_the_papers_line():
 )
 @pytest.mark.parametrize("bend", [0.0, 0.6, -0.4])
 def test_from_home_in_the_plane_of_the_arm(way, bend):
-    """Home is a straight wrist; in this plane nothing needs joints 1, 4 and 6."""
+    """At home the wrist is straight. Lines in the plane of the arm need no motion of joints 1, 4 and 6."""
     chain, limits = arms.industrial6()
     home = chain.base_from_flange
     pose_at = line(home, moved(home, way, (bend, 0, 0)))
@@ -108,13 +112,13 @@ def test_from_home_in_the_plane_of_the_arm(way, bend):
 @pytest.mark.parametrize("q1", [0.0, 0.5])
 @pytest.mark.parametrize("q4", [0.0, 0.7])
 def test_straight_through_a_straight_wrist(q1, q4):
-    """The hand tilts in the plane of its own bend, from 20 deg on one side to 37 deg on the other."""
+    """The hand tilts in the plane of its bend, from 20 deg on one side to 37 deg on the other."""
     chain, limits = arms.industrial6()
     start = np.array([q1, 0.2, -0.5, q4, np.radians(20), 0.3])
     first = flange_poses(chain, start[None])[0]
     axis = flange_poses(chain, (start - [0, 0, 0, 0, start[4], start[5]])[None])[0][:3, 0]
 
-    # turn about axis 5, which stays where it is, while the wrist centre rests
+    # Turn about axis 5, which doesn't move, like the wrist center.
     def pose_at(s):
         poses = np.repeat(first[None], len(s), axis=0)
         turn = Rotation.from_rotvec(-s[:, None] * axis).as_matrix()
@@ -142,7 +146,7 @@ def test_turning_about_the_common_axis_holds_q4(q4, turn):
 
 
 def test_past_a_straight_wrist_the_joints_swing():
-    """0.1 mrad beside the singularity q4 goes half round, fast but without a jump."""
+    """At a distance of 0.1 mrad from the singularity, q4 turns by half a turn, fast but without a jump."""
     chain, limits = arms.industrial6()
     start = np.array([0.3, 0.2, -0.5, 1e-4, 0.35, 0.0])
     first = flange_poses(chain, start[None])[0]
@@ -171,7 +175,7 @@ def test_random_lines(arm):
 
 
 def check_break(chain, limits, pose_at, found):
-    """What holds of every break: its joint position stands on the path, within limits."""
+    """Check what holds for each break: its joint position is on the path and within limits."""
     assert 0.0 <= found.s < 1.0
     pose = pose_at(np.array([found.s]))
     np.testing.assert_allclose(flange_poses(chain, found.q[None]), pose, atol=1e-7)
@@ -193,7 +197,7 @@ def test_a_circle_of_a_redundant_arm_is_smooth():
     check(chain, limits, pose_at, start, found)
     s = np.linspace(0, 1, 4001)
     q = follow(chain, pose_at(s), found.at(s))[0]
-    # no kinks: the second derivative is bounded and doesn't step at the skeleton's samples
+    # No kinks: the second derivative is bounded, and has no steps at the track's samples.
     curvature = np.diff(q, n=2, axis=0) * 4000.0**2
     assert np.abs(curvature).max() < 200.0
     assert np.abs(np.diff(curvature, axis=0)).max() < 10.0
@@ -201,7 +205,7 @@ def test_a_circle_of_a_redundant_arm_is_smooth():
 
 @pytest.mark.parametrize(("way", "amount"), [((0.2, 0, 0), np.pi / 2), ((-0.2, 0, 0), np.pi / 2)])
 def test_broken_by_a_singularity_at_the_start(way, amount):
-    """Sideways from home: joint 4 would first have to turn by 90 deg."""
+    """Sideways from home, joint 4 would first have to turn by 90 deg."""
     chain, limits = arms.industrial6()
     pose_at = line(chain.base_from_flange, moved(chain.base_from_flange, way))
     found = track(chain, limits, pose_at, np.zeros(6))
@@ -215,8 +219,8 @@ def test_broken_by_a_singularity_at_the_start(way, amount):
 
 @pytest.mark.parametrize("length", [1e-8, 1e-6, 1e-4, 1e-3, 5e-3, 0.05, 0.2])
 def test_a_singularity_at_the_start_breaks_short_ways_as_it_does_long_ones(length):
-    """A short way has samples within the few 1e-10 rad in which the held angle goes over to the one that
-    the pose determines.
+    """A singularity at the start breaks short paths like long ones. A short path has samples within a few
+    1e-10 rad of the singularity, where the held angle changes to the one that the pose determines.
     """
     chain, limits = arms.industrial6()
     pose_at = line(chain.base_from_flange, moved(chain.base_from_flange, (length, 0, 0)))
@@ -231,7 +235,7 @@ def test_a_singularity_at_the_start_breaks_short_ways_as_it_does_long_ones(lengt
 
 @pytest.mark.parametrize("length", [1e-9, 1e-7, 1e-5, 1e-3, 0.1])
 def test_a_short_way_straight_through_the_straight_wrist_is_followed(length):
-    """Along the arm's own plane q5 passes zero and q4 stays."""
+    """In the arm's own plane, q5 passes zero and q4 stays constant."""
     chain, limits = arms.industrial6()
     start = np.array([0.0, 0.2, -0.5, 0.0, 0.0, 0.0])
     first = flange_poses(chain, start[None])[0]
@@ -241,7 +245,7 @@ def test_a_short_way_straight_through_the_straight_wrist_is_followed(length):
 
 
 def test_broken_by_a_singularity_on_the_way():
-    """Into the straight wrist in one plane and out of it in another."""
+    """The path enters the straight wrist in one plane, and leaves it in another."""
     chain, limits = arms.industrial6()
     start = np.array([0.0, 0.2, -0.5, 0.0, 0.3, 0.0])
     straight = flange_poses(chain, np.array([[0.0, 0.2, -0.5, 0.0, 0.0, 0.0]]))[0]
@@ -275,7 +279,7 @@ def test_broken_by_reach(arm):
     assert found.kind == "reach"
     assert 0.1 < found.s < 0.9
     check_break(chain, limits, pose_at, found)
-    # the worst miss is at the end, as great as a search for that pose says
+    # The largest deviation is at the end, and equals that of a search for the end pose alone.
     single = nearest_solutions(chain, limits, pose_at(np.ones(1))[0], start)
     assert abs(found.amount - single.miss) < 1e-3
     assert found.amount > 0.05
@@ -288,7 +292,7 @@ def test_broken_by_reach(arm):
 
 
 def test_a_short_gap_in_reach_is_seen():
-    """A bow that leaves the workspace by 0.1 mm, for less than an interval of the first skeleton."""
+    """An arc leaves the workspace by 0.1 mm, within one interval of the first samples."""
     chain, _ = arms.industrial6()
     limits = arms.limits_of(np.full(6, -7.0), np.full(6, 7.0))
     q = np.array([0.0, -0.5, 0.0, 0.0, 0.3, 0.0])
@@ -320,7 +324,9 @@ def test_a_short_gap_in_reach_is_seen():
 
 @pytest.mark.parametrize("sign", [-1, 1])
 def test_broken_by_limits(sign):
-    """Joint 1 has to go further than it may; with the other shoulder so tight nothing else helps."""
+    """Joint 1 would have to exceed its limit. The other shoulder configuration is impossible with such narrow
+    limits.
+    """
     chain, _ = arms.industrial6()
     high = np.radians([40, 135, 150, 190, 130, 360])
     limits = arms.limits_of(-high, high)
@@ -342,7 +348,7 @@ def test_broken_by_limits(sign):
 
 
 def test_broken_by_a_configuration_that_limits_force():
-    """Joint 6 turns to its end; a full turn back it could go on."""
+    """Joint 6 reaches its limit. If it began a full turn lower, the path could be followed."""
     chain, _ = arms.industrial6()
     high = np.radians([170, 135, 150, 190, 130, 200])
     limits = arms.limits_of(-high, high)
@@ -361,14 +367,14 @@ def test_broken_by_a_configuration_that_limits_force():
     assert abs(found.s - 0.5) < 1e-6
     assert abs(found.amount - np.radians(50)) < 1e-9
     check_break(chain, limits, pose_at, found)
-    # and so it could
+    # With joint 6 a full turn lower at the start, and with wider limits, the path is followed.
     other = start - [0, 0, 0, 0, 0, 2 * np.pi]
     wide = arms.limits_of(-high - 1.0, high + 1.0)
     check(chain, wide, pose_at, other, track(chain, wide, pose_at, other))
 
 
 def test_broken_where_a_configuration_ends():
-    """The shoulder's near side comes to its end where the far side can still reach."""
+    """The near configuration of the shoulder ends where the far one can still reach the pose."""
     chain, _ = arms.skewed6()
     limits = arms.limits_of(np.full(6, -7.0), np.full(6, 7.0))
     rng = np.random.default_rng(0)
@@ -418,7 +424,9 @@ def test_polishes_the_start():
 
 
 def test_may_start_on_a_limit():
-    """The start is polished by less than its accuracy; that alone doesn't take it out of limits."""
+    """A motion may start at a limit, even if the given start is off by 3e-7 rad. A motion beyond the limit
+    breaks at its start.
+    """
     chain, _ = arms.industrial6()
     start = np.array([0.1, 0.2, -0.4, 0.3, 0.5, 0.6])
     limits = arms.limits_of(start - 2.0, start)
@@ -436,8 +444,8 @@ def test_may_start_on_a_limit():
 
 @pytest.mark.parametrize("arm", [arms.industrial6, arms.offset6, arms.skewed6, arms.seven7, arms.slider9])
 def test_paths_that_are_followed_together_end_as_one_by_one(arm):
-    """Lines of all lengths from random places: those of `track`, of which some break at limits, others of
-    reach.
+    """Lines of all lengths from random positions, some of which break at limits or out of reach, have the
+    same results together as with `track` one by one.
     """
     chain, limits = arm()
     random = np.random.default_rng(5)
@@ -463,7 +471,9 @@ def test_no_paths_are_followed():
 @pytest.mark.parametrize("joints", [3, 6, 7, 9])
 @pytest.mark.parametrize("count", [1, 8, 128, 129])
 def test_few_samples_make_the_steps_of_many(joints, count):
-    """The two ways to solve agree; a singular matrix without damping is left to the second."""
+    """Few samples and many samples are solved by different methods. The steps of both methods equal numpy's
+    solution, and a singular matrix without damping has a step, too.
+    """
     random = np.random.default_rng(count)
     jacobian, error = random.normal(size=(6, joints, count)), random.normal(size=(6, count))
     damping = 10.0 ** random.uniform(-4, 0, count)

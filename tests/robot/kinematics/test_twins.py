@@ -1,4 +1,6 @@
-"""No solution is listed twice: not where two meet, where axes fall together, nor half a turn from zero."""
+"""Tests that no solution is listed twice: where two solutions meet, where axes coincide, and half a turn from
+zero.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,7 @@ HALF_TURNS = arms.limits_of(-np.full(6, np.pi), np.full(6, np.pi))
 
 
 def coincident(rng):
-    """Six turns by chance, two of them about the same axis."""
+    """Return a random arm of six turning joints, two of them about the same axis."""
     chain = arms.random6(rng)
     one, other = rng.choice(6, 2, replace=False)
     screws = chain.screws.copy()
@@ -34,7 +36,7 @@ ARMS = {
 
 
 def least_apart(q):
-    """How near two of the joint positions (m, 6) come to each other, but for full turns."""
+    """Return the smallest distance between two of the joint positions (m, 6), without full turns."""
     away = q[:, None] - q[None]
     away -= 2.0 * np.pi * np.round(away / (2.0 * np.pi))
     least = np.abs(away).max(axis=2)
@@ -49,7 +51,7 @@ def least_apart(q):
     quarters=st.lists(st.sampled_from([None, 0, 1, 2, -1, -2]), min_size=6, max_size=6),
 )
 def test_no_solution_is_listed_twice(name, seed, quarters):
-    """Joints on quarters of a turn make poses in which solutions meet, or a joint is free."""
+    """With joints at quarter turns, solutions meet, or a joint is free."""
     rng = np.random.default_rng(seed)
     chain = ARMS[name](rng)
     q = np.array([rng.uniform(-3.0, 3.0) if one is None else one * np.pi / 2.0 for one in quarters])
@@ -58,8 +60,6 @@ def test_no_solution_is_listed_twice(name, seed, quarters):
     assert isinstance(found, Solutions)
     assert least_apart(found.q) > 4e-5
     assert np.abs(flange_poses(chain, found.q) - pose).max() < 1e-8
-    if (
-        form_of(chain) is None
-    ):  # a closed form keeps its eight places, whether two of them are the same or not
+    if form_of(chain) is None:  # a closed form keeps eight separate places, even for equal solutions
         every, valid = branches(chain, pose)
         assert least_apart(every[0][valid[0]]) > 4e-5

@@ -1,7 +1,7 @@
-"""A client of the ROS 1 node, run by the Python that has rospy: JSON lines come in and go out.
+"""A client of the ROS 1 node, for a Python that has rospy.
 
-Each line is `{"do": ..., ...}`; the answer is one line with `answer` or `error`. Goals go through actionlib's
-client; topics are recorded from when they are first asked for.
+It reads JSON lines `{"do": ..., ...}`, and answers each by a line with `answer` or `error`. Goals are sent by
+actionlib's client. A topic is recorded from the first order about it on.
 """
 
 import json
@@ -41,7 +41,7 @@ WITHIN = 30.0
 
 
 def plain(value):
-    """A message as what JSON has."""
+    """Return a message as JSON values."""
     if isinstance(value, (genpy.Time, genpy.Duration)):
         return value.to_sec()
     if isinstance(value, genpy.Message):
@@ -74,7 +74,7 @@ class Client:
         self.action = actionlib.ActionClient("joint_trajectory_action", KINDS.action)
 
     def ready(self, within=WITHIN):
-        """True if the action server is connected."""
+        """Return True if the action server is connected in time."""
         return self.action.wait_for_server(rospy.Duration.from_sec(within))
 
     def send(self, name, names, points, stamp=None, path=(), goal=(), goal_time=0.0):
@@ -104,7 +104,7 @@ class Client:
         self.action.cancel_all_goals()
 
     def fed(self, name, count, within=WITHIN):
-        """Wait until so much feedback has come; return the last."""
+        """Wait until a goal has got `count` feedbacks, and return the last one."""
         record = self.goals[name]
         self.wait(lambda: len(record["feedback"]) >= count, within)
         return record["feedback"][-1]
@@ -141,7 +141,7 @@ class Client:
         return kept
 
     def heard(self, topic, count=1, within=WITHIN):
-        """The next messages of a topic, each with the time of its arrival."""
+        """Return the next `count` messages of a topic, each with its time of arrival."""
         kept = self.record(topic)
         with self.news:
             before = kept[-1][0] if kept else 0.0
@@ -154,13 +154,13 @@ class Client:
             return fresh()[:count]
 
     def last(self, topic, within=WITHIN):
-        """The last message of a topic, also a latched one."""
+        """Return the last message of a topic, which may be a latched one."""
         kept = self.record(topic)
         self.wait(lambda: kept, within)
         return kept[-1][1]
 
     def until(self, topic, field, value, within=WITHIN):
-        """Wait for a message that has a value in a field, as `in_motion.val`; return it."""
+        """Wait for a message with a value in a field, such as `in_motion.val`, and return it."""
         kept = self.record(topic)
 
         def fits(message):
@@ -172,8 +172,9 @@ class Client:
         return kept[-1][1]
 
     def drawn(self, topic, there=True, within=WITHIN):
-        """The markers of a topic behind the one that deletes those before, as soon as there are any, or
-        none.
+        """Return the markers of a topic, once there are some, or none if `there` is False.
+
+        The first marker, which deletes the earlier ones, is left out.
         """
         kept = self.record(topic)
         self.wait(lambda: kept and (len(kept[-1][1]["markers"]) > 1) == there, within)
@@ -206,7 +207,7 @@ class Client:
             rospy.delete_param(name)
 
     def types(self):
-        """The type of each topic that the master knows."""
+        """Return the type of each topic that the master knows."""
         return dict(Master("/client").getTopicTypes())
 
     def sums(self):

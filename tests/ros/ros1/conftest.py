@@ -1,5 +1,6 @@
-"""A ROS master, `yarc serve`, the node and a client, each a process of its own, for all tests of this
-folder.
+"""A ROS master, `yarc serve`, the node and a client for all tests of this folder.
+
+Each of them is a process of its own.
 """
 
 import contextlib
@@ -24,19 +25,19 @@ from yarclang.runtime.transports.lock import SPACE
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[2]
 PYTHON = "/usr/bin/python3"
-"""ROS's packages belong to the system's Python; a venv doesn't see them."""
+"""The system's Python, which has ROS's packages; a venv doesn't find them."""
 MODULES = (
     "rospy, rosmaster, actionlib, sensor_msgs.msg, std_srvs.srv, trajectory_msgs.msg, visualization_msgs.msg"
 )
 MASTER = "import rosmaster; rosmaster.rosmaster_main()"
 NODE = ("-u", "-m", "yarclang.ros.node.ros1")
 RATE = "4"
-"""How much faster than real time the simulated robot moves."""
+"""Factor by which the simulated robot is faster than real time."""
 PATIENCE = 60.0
 
 
 def ros_or_skip():
-    """Without ROS 1 a test is skipped; with YARCLANG_REQUIRE_TOOLS=1, as in .ci/run, it fails."""
+    """Skip a test without ROS 1, or fail it if YARCLANG_REQUIRE_TOOLS=1, as in .ci/run."""
     if Path(PYTHON).exists():
         tried = subprocess.run(
             [PYTHON, "-c", f"import {MODULES}"], capture_output=True, cwd=tempfile.gettempdir(), check=False
@@ -59,7 +60,7 @@ def free_port():
 
 
 def ended(process, how=signal.SIGTERM, within=30.0):
-    """End a process if it runs, and return its status."""
+    """End a process if it is running, and return its exit status."""
     if process is None:
         return None
     if process.poll() is None:
@@ -72,7 +73,7 @@ def ended(process, how=signal.SIGTERM, within=30.0):
 
 
 class Client:
-    """The client's process, as an object whose methods are its orders."""
+    """The client's process; its orders are methods of this object."""
 
     def __init__(self, start):
         self.process = start(PYTHON, "-u", str(HERE / "client.py"), stdin=subprocess.PIPE)
@@ -101,7 +102,7 @@ class Client:
 
 
 class Stage:
-    """All processes, started when they are needed and again after a test has ended one."""
+    """All processes, which are started when needed, and again after a test has ended one."""
 
     def __init__(self, folder):
         self.folder = folder
@@ -115,7 +116,7 @@ class Stage:
             "PYTHONPATH": str(ROOT),
             "XDG_RUNTIME_DIR": str(folder),
             SPACE: folder.name,
-            # the robot is served between the tests, too, and must not keep others from theirs
+            # the robot is also served between the tests, and mustn't slow down other tests
         }
         self.master = self.serve = self.node = self.client = None
 
@@ -160,7 +161,7 @@ class Stage:
         return self.node
 
     def ready(self):
-        """Start what isn't running, and wait until goals are taken."""
+        """Start the processes that aren't running, and wait until goals are accepted."""
         if self.master is None or self.master.poll() is not None:
             self.start_master()
         if self.serve is None or self.serve.process.poll() is not None:
@@ -174,7 +175,7 @@ class Stage:
         return self.client
 
     def status(self):
-        """What `yarc status` says."""
+        """Return the output of `yarc status`."""
         run = subprocess.run(
             [sys.executable, "-c", SCRIPT, "status"],
             check=False,
@@ -208,5 +209,5 @@ def stage():
 
 @pytest.fixture
 def ros(stage):
-    """The client, with all others running and the robot free."""
+    """Return the client, with all other processes running and the robot free."""
     return stage.ready()

@@ -1,5 +1,6 @@
-"""The ROS 1 node as people run it: a master, `yarc serve` with a simulated robot, the node, and a client
-of actionlib.
+"""The ROS 1 node as people run it.
+
+There are a master, `yarc serve` with a simulated robot, the node, and a client of actionlib.
 """
 
 import itertools
@@ -25,16 +26,16 @@ SUMS = {
     "industrial_msgs/CmdJointTrajectory": "94fdf82abbbb1071bc31be1a2aea4fcd",
     "industrial_msgs/GetRobotInfo": "5db3230b3e61c85a320b999ffd7f3b3f",
 }
-"""As the packages of ROS have them: control_msgs 1.5.2, industrial_msgs 0.7.3."""
+"""Checksums of messages in ROS's packages control_msgs 1.5.2 and industrial_msgs 0.7.3."""
 
 
 def standing(ros):
-    """Where the joints are: the second message from now, so that none is from before the question."""
+    """Return the joint positions from the second message from now, which is certainly new."""
     return ros.heard(topic="joint_states", count=2)[-1][1]["position"]
 
 
 def way(start, end, seconds, count=21, velocities=True):
-    """The points of a motion from rest to rest whose joints are on a straight line, with a cosine in time."""
+    """Return the points of a straight joint motion from rest to rest, with a cosine in time."""
     points = []
     for at in range(count):
         share = at / (count - 1)
@@ -50,20 +51,21 @@ def way(start, end, seconds, count=21, velocities=True):
 
 
 def there_and_back(ros, seconds=3.0):
-    """A start, an end that is away from it, and the points between."""
+    """Return the robot's position, an end away from it, and the points of a motion between them."""
     start = standing(ros)
     end = AWAY if max(abs(a - b) for a, b in zip(start, AWAY, strict=True)) > 0.1 else [0.0] * 6
     return start, end, way(start, end, seconds)
 
 
 def shares(start, end, found):
-    """How far each joint is on the straight line from start to end."""
+    """Return for each joint its share of the straight line from start to end."""
     return [(q - a) / (b - a) for a, b, q in zip(start, end, found, strict=True)]
 
 
 def assert_rests_on_path(ros, start, end):
-    """The robot rests between start and end, on the straight line: a stop off the path would leave joints
-    at different shares.
+    """Check that the robot rests between start and end, on the straight line.
+
+    After a stop off the path, the joints would be at different shares.
     """
     ros.until(topic="robot_status", field="in_motion.val", value=0)
     found = shares(start, end, standing(ros))
@@ -320,7 +322,7 @@ def test_a_master_that_hangs_holds_nothing_up(ros, stage):
     _, end, points = there_and_back(ros)
     stage.master.send_signal(signal.SIGSTOP)
     try:
-        time.sleep(1.5)  # the node asks it meanwhile
+        time.sleep(1.5)  # during this time, the node sends requests to the stopped master
         ros.send(name="hung", names=JOINTS, points=points)
         assert ros.outcome(name="hung")["status"] == SUCCEEDED
         assert standing(ros) == pytest.approx(end, abs=1e-3)
@@ -333,7 +335,7 @@ def test_a_master_that_hangs_holds_nothing_up(ros, stage):
 
 
 def test_a_plan_of_moveit_moves_the_robot(ros, stage):
-    """As docs/ros.md has it."""
+    """The steps are those of docs/ros.md."""
     command = [PYTHON, "examples/send_plan.py", "examples/moveit_plan.yaml"]
     sent = subprocess.run(
         command, cwd=ROOT, env=stage.environment, capture_output=True, text=True, timeout=60, check=False
@@ -356,7 +358,8 @@ def test_goals_go_on_without_a_master_and_a_new_one_learns_of_the_node(ros, stag
     stage.node.until("ROS master .* doesn't answer")
     stage.start_master()
     stage.node.until("the ROS master was started anew")
-    ended(ros.process, signal.SIGKILL)  # it is a node of rospy, too, and unknown to the new master
+    # the client is a node, too, and unknown to the new master
+    ended(ros.process, signal.SIGKILL)
     anew = stage.ready()
     assert anew.param(name="controller_joint_names") == JOINTS
     anew.send(name="anew", names=JOINTS, points=there_and_back(anew)[2])
@@ -388,7 +391,7 @@ def test_a_node_that_is_ended_lets_the_robot_come_to_rest(ros, stage):
 
 
 def test_a_second_node_takes_the_place_of_the_first(ros, stage):
-    # where all cores are busy a node takes seconds to come up: the robot must still be under way then
+    # on a busy computer a node takes seconds to start, and the robot must still be moving then
     start, end, points = there_and_back(ros, 10.0)
     ros.send(name="replaced", names=JOINTS, points=points)
     ros.fed(name="replaced", count=8)
@@ -396,7 +399,7 @@ def test_a_second_node_takes_the_place_of_the_first(ros, stage):
     stage.start_node().until("goals are taken")
     assert first.process.wait(20.0) == 0
     assert_rests_on_path(stage.ready(), start, end)
-    time.sleep(1.5)  # the first one doesn't register again
+    time.sleep(1.5)  # the first node must not register again in this time
     assert stage.node.process.poll() is None
 
 

@@ -5,12 +5,14 @@ first path to where it joins the second one. Second, the parts of both paths tha
 follow stay in the ball as well. The distance from the corner is |e| with e(t) = p(q(t)) - c, where p is the
 position of the moving frame and c the corner. Segments are cut into pieces. On a piece of duration d, |e| is
 at most the largest Bezier point of e's Hermite cubic, plus d^4/384 M4 with a bound M4 of |e''''| (see
-`yarclang.certify.motion.bounds`). The extremes of the joints are known in closed form.
+`yarclang.certify.motion.bounds`). If the ball is an allowed distance of each joint, no such bound is needed,
+since the extremes of a joint on a segment are known in closed form.
 
-The frame may turn in a blend. Its angle from the corner's orientation is at most the sum of two turns: that
-of the first motion from where its path is left to the corner, and that of the second motion from the corner
-to where its path is joined. A motion in joint space turns the frame by at most the sum of the turns of its
-joints; turns that cancel each other on the path itself need not do so in the blend.
+The frame may rotate in a blend. Its angle from the corner's orientation is at most the sum of two angles: the
+rotation of the first motion from where its path is left to the corner, and the rotation of the second motion
+from the corner to where its path is joined. A motion in joint space rotates the frame by at most the sum of
+the rotations of its joints. On the path itself, rotations of two joints may cancel each other; in the blend,
+they need not.
 """
 
 from __future__ import annotations
@@ -31,7 +33,7 @@ _COARSE, _FINE = 4, 32
 _SAMPLES = 513
 """Number of points at which a path of the moving frame is sampled."""
 _STEPS = 16
-"""Least number of cubics into which a part of a path in joint space is cut."""
+"""Least number of cubics into which a section of a path in joint space is cut."""
 
 
 @frozen(eq=False)
@@ -42,7 +44,7 @@ class Balls:
         flange_from_moving: (B, 4, 4) moving frames, relative to the flange.
         corner: (B, 4, 4) poses of the moving frames in the corners.
         radius: (B,) allowed distances from the corners [m].
-        angle: (B,) allowed turns from the orientations in the corners [rad].
+        angle: (B,) allowed angles from the orientations in the corners [rad].
     """
 
     flange_from_moving: Array
@@ -52,9 +54,9 @@ class Balls:
 
 
 def farthest(cubics: Cubics, owner: Rows, balls: Balls, robot: Robot) -> tuple[Array, Array]:
-    """Bound the distances (B,) [m] and turns (B,) [rad] of moving frames from their corners, at any instant.
+    """Bound the distances (B,) [m] and angles (B,) [rad] of moving frames from their corners, at any instant.
 
-    Where a bound exceeds the ball, a sharper one is computed from shorter pieces of the segments.
+    If a bound exceeds the radius or angle of the ball, a sharper one is computed from shorter pieces.
 
     Args:
         cubics: N segments.
@@ -64,8 +66,8 @@ def farthest(cubics: Cubics, owner: Rows, balls: Balls, robot: Robot) -> tuple[A
         robot: the arm.
     """
     position, angle = _away(cubics, owner, balls, robot, _COARSE)
-    # Cut only those segments finer whose rough bound exceeds the ball; both bounds are valid, so take the
-    # smaller.
+    # If the rough bound of a segment exceeds the ball, cut the segment into shorter pieces. Both bounds are
+    # valid, so take the smaller one.
     (rough,) = np.nonzero((position > balls.radius[owner]) | (angle > balls.angle[owner]))
     if len(rough):
         finer = _away(cubics.take(rough), owner[rough], balls, robot, _FINE)
@@ -78,9 +80,7 @@ def farthest(cubics: Cubics, owner: Rows, balls: Balls, robot: Robot) -> tuple[A
 
 
 def _away(cubics: Cubics, owner: Rows, balls: Balls, robot: Robot, pieces: int) -> tuple[Array, Array]:
-    """Bound the distances (N,) [m] and turns (N,) [rad] from the corners, with `pieces` pieces per
-    segment.
-    """
+    """Bound the distances (N,) [m] and angles (N,) [rad] from the corners, with `pieces` per segment."""
     count = len(cubics.h)
     origin, rotation = arm_bounds(cubics, owner, balls.flange_from_moving, robot)
     cut = Pieces.cut(cubics, np.arange(count), np.full(count, pieces))
@@ -89,9 +89,11 @@ def _away(cubics: Cubics, owner: Rows, balls: Balls, robot: Robot, pieces: int) 
     corner = balls.corner[ball]
     rest = HERMITE * cut.d**4
     left, right = cut.left, cut.left + 1
-    # Bezier hull of the distance and of the rotation difference, each with the Hermite remainder.
+    # Bound the distance by the largest Bezier point, plus the Hermite remainder. The difference of the
+    # rotations is bounded in the same way.
     position = hull(motion.p - corner[:, :3, 3], motion.velocity, left, right, cut.d)
-    # R' = [omega]x R, column by column. The turn is measured by the Frobenius norm of R - R_corner.
+    # The columns of a rotation R that turns with the angular velocity omega change at the rate omega x
+    # column. The turn is measured by the Frobenius norm of R - R_corner.
     spin = np.cross(motion.angular[:, :, None], motion.rotation, axis=1).reshape(-1, 9)
     turn = (motion.rotation - corner[:, :3, :3]).reshape(-1, 9)
     chord = hull(turn, spin, left, right, cut.d) + rest * rotation[cut.segment]
@@ -102,11 +104,11 @@ def _away(cubics: Cubics, owner: Rows, balls: Balls, robot: Robot, pieces: int) 
 
 @frozen(eq=False)
 class Away:
-    """Distance and turn of a part of a programmed path from a corner.
+    """Largest distance and angle from a corner on a part of a programmed path.
 
     Attributes:
         position: upper bound of the distance from the corner [m].
-        angle: largest turn from the corner's orientation at sampled points, a lower bound of the real one
+        angle: largest angle from the corner's orientation at sampled points, a lower bound of the real one
             [rad].
     """
 
@@ -117,7 +119,7 @@ class Away:
 def away_on_path(
     paths: FramePaths, own: int, part: tuple[float, float], corner: Array, moving_from_frame: Array
 ) -> Away:
-    """Bound the distance from the corner of the part of a programmed Cartesian path that the blend cuts off.
+    """Bound the distance from the corner on the part of a programmed Cartesian path that the blend cuts off.
 
     The path is at most F2 step^2 / 8 from the polygon through its sampled points, where F2 bounds the path's
     second derivative.
@@ -130,8 +132,8 @@ def away_on_path(
         moving_from_frame: (4, 4) the blend's frame, relative to the path's moving frame.
     """
     offset = moving_from_frame[:3, 3]
-    far = float(np.linalg.norm(offset))
-    count = 2 if isinstance(paths, Lines) and far == 0.0 else _SAMPLES
+    lever = float(np.linalg.norm(offset))
+    count = 2 if isinstance(paths, Lines) and lever == 0.0 else _SAMPLES
     s = np.linspace(*part, count)
     owner = np.full(count, own)
     poses = paths.at(owner, s)
@@ -141,40 +143,44 @@ def away_on_path(
     bend = 0.0
     if count > 2:
         bounds = paths.bounds(owner[:1], np.array([part[0]]), np.array([part[1]]))
-        # |p''| of a point at the distance `far`: that of the origin, plus `far` times that of the rotation. A
-        # line without an offset is its own chord and needs no bound.
-        bend = bounds.position[0, 1] + far * bounds.rotation[0, 1]
+        # For a point at the distance `lever` from the frame's origin, |p''| is at most that of the origin
+        # plus `lever` times that of the rotation. A line without an offset is its own chord and needs no
+        # bound.
+        bend = bounds.position[0, 1] + lever * bounds.rotation[0, 1]
     step = (part[1] - part[0]) / (count - 1)
     rotation = poses.rotation @ moving_from_frame[:3, :3]
+    # The difference of two rotations has the Frobenius norm 2 sqrt 2 sin(angle / 2), their chord.
     turned = np.linalg.norm((rotation - corner[:3, :3]).reshape(count, -1), axis=1)
-    # A curve leaves its chord by at most step^2 / 8 of its second derivative.
+    # A curve leaves its chord by at most step^2 / 8 times its second derivative.
     return Away(float(most + bend * step**2 / 8.0), float(angle_of_chord(turned).max()))
 
 
 def cubics_of(spline: NaturalSpline, low: float, high: float) -> Cubics:
-    """Return the part of a path in joint space between the shares `low` and `high` of its parameter, as
-    cubics over this parameter.
+    """Return a section of a path in joint space as cubics over the path's parameter. `low` and `high` are the
+    section's start and end, as fractions (0 to 1) of the parameter's range.
     """
     end = spline.s[-1]
-    # Include the way-points, where the third derivative jumps, so that each piece is one cubic.
+    # Include the waypoints, where the third derivative jumps, so that each piece is one cubic.
     inner = spline.s[(spline.s > low * end) & (spline.s < high * end)]
     s = np.unique(np.concatenate([np.linspace(low, high, _STEPS + 1) * end, inner]))
     s, step = s[:-1], np.diff(s)
     y, slope = spline.at(s)
+    # On each span y'' is linear, so y''' is constant: the difference quotient of y'' at the waypoints.
     third = np.diff(spline.bend, axis=0) / np.diff(spline.s)[:, None]
     return Cubics(y, slope, spline.bends(s), third[spline.span(s)], step)
 
 
 def away_in_joints(spline: NaturalSpline, end: int, share: float, ball: Balls, robot: Robot) -> Away:
-    """Bound the distance from the corner of the part of a path in joint space that the blend cuts off.
+    """Bound the distance from the corner on the part of a path in joint space that the blend cuts off.
 
-    The frame turns by at most the sum of the turns of the revolute joints.
+    The frame rotates by at most the sum of the rotations of the revolute joints.
 
     Args:
         spline: the path.
         end: 0 for the part at the path's start, 1 for the part at its end.
-        share: share of the path at which the part ends (`end` 0) or begins (`end` 1).
-        ball: the ball round the corner; `ball` contains only this one.
+        share: fraction of the path's parameter range at which the cut-off part ends (`end` 0) or begins
+            (`end` 1).
+        ball: the ball round the corner, as `Balls` with a single entry.
         robot: the arm.
     """
     cubics = cubics_of(spline, *((0.0, share) if end == 0 else (share, 1.0)))
@@ -187,13 +193,15 @@ def away_in_joints(spline: NaturalSpline, end: int, share: float, ball: Balls, r
 
 
 def joint_turn(q: Array, corner: Array, robot: Robot) -> Array:
-    """Return the summed angles (N,) [rad] of the revolute joints between `q` (N, n) and the corner (n,)."""
+    """Return, for each joint position in `q` (N, n), the sum (N,) [rad] of the angles by which the revolute
+    joints differ from the corner (n,).
+    """
     turned: Array = np.abs(q - corner)[:, ~robot.chain.is_prismatic].sum(axis=1)
     return turned
 
 
 def radii(blend: hir.Reading, robot: Robot) -> Array:
-    """Return how far each joint (n,) may be from the corner of two joint motions [rad or m]."""
+    """Return the allowed distances (n,) of the joints from the corner of two joint motions [rad or m]."""
     length, angle = blend.length or 0.0, blend.angle or 0.0
     return np.where(robot.chain.is_prismatic, length, angle)
 

@@ -39,24 +39,27 @@ def judge_blends(judged: Judged, layout: Layout, proofs: Proofs) -> dict[int, Bl
 
     The bounds are keyed by the step of the motion before the blend.
     """
-    found: dict[int, Blended] = {}
+    blended: dict[int, Blended] = {}
     rounded: list[Corner] = []
     for corner in proofs.flows.corners:
         step = layout.places[corner.first].step
         if not corner.rounded:
-            found[step] = Blended(corner.segments, 0.0, 0.0, 0.0, 0.0)
+            passed = int(proofs.flows.follow[corner.first, 1]) - 1 - layout.places[corner.first].last
+            blended[step] = Blended(corner.segments, 0.0, 0.0, 0.0, 0.0, passed)
         elif corner.joints:
-            found[step] = _in_joints(judged, layout, proofs, corner)
+            blended[step] = _in_joints(judged, layout, proofs, corner)
         else:
             rounded.append(corner)
     for corners in _chunks(rounded):
         go_on()
-        found.update(_of_frames(judged, layout, proofs, corners))
-    return found
+        blended.update(_of_frames(judged, layout, proofs, corners))
+    return blended
 
 
 def _chunks(corners: list[Corner]) -> Iterator[list[Corner]]:
-    """Yield groups of corners with up to about a quarter of `CHUNK` segments together."""
+    """Yield groups of corners. The blends of a group have at most `CHUNK` / 4 segments in total, except for a
+    group of one corner.
+    """
     chunk: list[Corner] = []
     size = 0
     for corner in corners:
@@ -77,7 +80,7 @@ def _overlap(layout: Layout, corner: Corner) -> slice:
 
 def _blend_of(layout: Layout, corner: Corner) -> hir.Reading:
     blend = layout.places[corner.first].motion.blend
-    assert blend is not None  # the map agrees with the program
+    assert blend is not None  # the map lists a blend only where the program has one
     return blend
 
 
@@ -96,6 +99,7 @@ def _in_joints(judged: Judged, layout: Layout, proofs: Proofs, corner: Corner) -
     worst = np.maximum(away, np.maximum(left, joined))
     allowed = radii(_blend_of(layout, corner), robot)
     slack = np.where(robot.chain.is_prismatic, judged.tolerance.position, judged.tolerance.angle)
+    # Compare in the user's units (deg or mm), so that revolute and prismatic joints are ranked alike.
     excess = (worst - allowed - slack) / robot.axis_units
     if not (excess <= 0.0).all():
         joint = int(np.argmax(excess))
@@ -114,15 +118,16 @@ def _in_joints(judged: Judged, layout: Layout, proofs: Proofs, corner: Corner) -
 
 def _how(away: float, left: float, joined: float) -> str:
     """Return in words which part of the blend is farthest from the corner."""
-    # At the ends of the blend, `away` bounds the same points as `left` and `joined`, and differs from them in
-    # the last digits.
+    # Both ends of the blend also belong to the paths, which `left` and `joined` bound. If the largest
+    # distance is there, `away` differs from them only in the last digits.
     if away > 1.001 * max(left, joined):
-        return "on the way between both paths"
+        return "between the two paths"
     return "where the path is left" if left >= joined else "where the next path is joined"
 
 
 def _apart(proofs: Proofs, row: int, end: int, corner: Array) -> Array:
-    """Bound how far each joint (n,) is from the corner where the blend cuts the path off [rad or m].
+    """Bound each joint's distance (n,) [rad or m] from the corner on the part of a path that the blend cuts
+    off.
 
     Args:
         proofs: the proofs so far.
@@ -145,8 +150,8 @@ class _Ball:
         corner: the corner.
         flange_from_moving: (4, 4) moving frame, relative to the flange.
         pose: (4, 4) pose of the moving frame in the corner.
-        left: bounds of the end of the first path, which the blend leaves.
-        joined: bounds of the start of the second path, before the blend joins it.
+        left: largest distance and angle from the corner on the first path after the blend has left it.
+        joined: largest distance and angle from the corner on the second path before the blend joins it.
     """
 
     corner: Corner
@@ -171,7 +176,8 @@ def _of_frames(
     radius = np.array([_blend_of(layout, ball.corner).length or 0.0 for ball in balls])
     slack = [judged.tolerance_of(layout.places[ball.corner.first].motion) for ball in balls]
     turn = np.array([ball.left.angle + ball.joined.angle for ball in balls])
-    # The ball may be left by the tolerance: the paths themselves may be missed by this amount.
+    # Allow the tolerance in addition to the ball: the executed path may differ from the programmed one by
+    # this amount.
     together = Balls(
         np.array([ball.flange_from_moving for ball in balls]),
         np.array([ball.pose for ball in balls]),
@@ -182,6 +188,8 @@ def _of_frames(
     for i, ball in enumerate(balls):
         step = layout.places[ball.corner.first].step
         parts = float(position[i]), ball.left.position, ball.joined.position
+        # The executed blend, the cut-off end of the first path and the cut-off start of the second path must
+        # all stay in the ball.
         most = max(parts)
         if not most <= together.radius[i]:
             judged.find(
@@ -203,7 +211,7 @@ def _of_frames(
 
 def _ball(judged: Judged, layout: Layout, proofs: Proofs, corner: Corner) -> _Ball:
     frame = frame_of(layout.places[corner.first].motion, layout.places[corner.second].motion)
-    assert frame is not None  # otherwise it is a blend of joints
+    assert frame is not None  # without a moving frame, it would be a blend of joints
     pose = proofs.starts.flange[corner.second] @ frame
     radius = _blend_of(layout, corner).length or 0.0
     left, joined = (
@@ -212,7 +220,7 @@ def _ball(judged: Judged, layout: Layout, proofs: Proofs, corner: Corner) -> _Ba
     )
     other = frame_of(layout.places[corner.second].motion)
     if other is not None and not np.array_equal(frame, other):
-        # The second motion moves another frame: bound the turns by those of the joints, as for motions in
+        # The second motion moves another frame: bound the rotations by those of the joints, as for motions in
         # joint space.
         rows = _overlap(layout, corner)
         knots = layout.cubics(rows.start, rows.stop).x
@@ -227,7 +235,7 @@ def _ball(judged: Judged, layout: Layout, proofs: Proofs, corner: Corner) -> _Ba
 def _not_followed(
     judged: Judged, proofs: Proofs, row: int, end: int, frame: Array, pose: Array, radius: float
 ) -> Away:
-    """Bound the distance from the corner of the part of a path that the blend cuts off.
+    """Bound the distance from the corner on the part of a path that the blend cuts off.
 
     Args:
         judged: the context of the judgement.
@@ -243,6 +251,7 @@ def _not_followed(
         low, high = (0.0, share) if end == 0 else (share, 1.0)
         paths, own = proofs.frames[row]
         moving = paths.flange_from_moving[own]
+        # Compute moving_from_frame, the pose of the blend's frame relative to the path's moving frame.
         between = np.eye(4) if np.array_equal(moving, frame) else np.linalg.inv(moving) @ frame
         return away_on_path(paths, own, (low, high), pose, between)
     spline = proofs.curves.get(row)

@@ -22,11 +22,11 @@ from yarclang.robot.model import Array, Robot, Tolerance
 from yarclang.units import DEG, MM
 
 SAME_JOINTS = 1e-9
-"""Largest difference between a claimed joint position and the joint goal [rad or m]."""
+"""Largest allowed difference between a claimed joint position and the programmed joint goal [rad or m]."""
 _ROUNDS = 20
-"""Most iterations of Newton's method."""
+"""Largest number of iterations of Newton's method."""
 NEARLY_KEPT = 5e-4
-"""Largest loss of programmed speed, as a share of that speed, that counts as none.
+"""Largest loss of speed that counts as none, as a fraction of the programmed speed.
 
 If the planner claims a speed that is lower by no more than this, the claim is ignored: the motion must reach
 the programmed speed.
@@ -40,7 +40,7 @@ def tolerance_of(motion: hir.Motion, tolerance: Tolerance) -> Tolerance:
 
 @frozen
 class Judged:
-    """What the judge needs to compare programmed paths with executed ones.
+    """The robot, tolerances and claims with which the judge compares programmed paths with executed ones.
 
     Attributes:
         robot: the robot.
@@ -59,11 +59,12 @@ class Judged:
         return tolerance_of(motion, self.tolerance)
 
     def share_of(self, step: int) -> float:
-        """Return the share of the programmed speed that a motion must reach: the planner's claim, or 1."""
+        """Return the fraction of its programmed speed that a motion must reach: the planner's claim, or 1."""
         return _share(self.claims.kept.get(step, 1.0))
 
     def least_of(self, step: int) -> float:
-        """Return the least share of the programmed speed that a motion must keep once it has reached it.
+        """Return the fraction of its programmed speed below which a motion's speed must not fall after it has
+        reached the fraction `share_of`.
 
         This is `share_of`, or the planner's claim `least` if that is smaller.
         """
@@ -110,8 +111,8 @@ def find_starts(judged: Judged, layout: Layout, flanges: Array) -> Starts:
     end: _End | None = None
     ahead: tuple[int, Place] | None = None
     for row, place in enumerate(layout.places):
-        # A motion that another one flows into, or that does not move, begins at the exact programmed end
-        # before it.
+        # If the motion before flows into this one, or if this one does not move, it begins at the exact
+        # programmed end of the motion before.
         if end is not None and (place.before is not None or place.size == 0):
             flange[row] = end.flange
             if end.q is None and not place.motion.leads_frame:
@@ -153,6 +154,7 @@ def _programmed_end(judged: Judged, place: Place, q: Array, flange: Array) -> _E
             claimed = claimed_way(judged, place)
             end = q if claimed is None else claimed[-1]
         case hir.LineMove(goal=goal) | hir.ArcMove(goal=goal):
+            # The goal is a pose of the moving frame: base_from_flange = base_from_moving moving_from_flange.
             return _End(goal_pose(goal, flange)[1] @ _inverse(goal.flange_from_moving.tobytes()), None)
         case hir.PoseSplineMove(waypoints=waypoints):
             last = waypoints[-1]
@@ -182,9 +184,9 @@ def claimed_joints(judged: Judged, place: Place, count: int) -> Array | None:
 
 
 def claimed_way(judged: Judged, place: Place) -> Array | None:
-    """Return the way-points (k, n) that the planner claims for a motion; None without a well-formed claim.
+    """Return the waypoints (k, n) that the planner claims for a motion; None without a well-formed claim.
 
-    An AvoidMove has as many way-points as the planner claims, a SplineMove as many as are programmed.
+    An AvoidMove has as many waypoints as the planner claims, a SplineMove as many as are programmed.
     """
     motion = place.motion
     if isinstance(motion, hir.SplineMove):
@@ -206,8 +208,8 @@ def _joints(judged: Judged, layout: Layout, row: int, place: Place, flange: Arra
         if position > tolerance.position or angle > tolerance.angle:
             judged.find(
                 "Y1161",
-                f"the joint positions planned for its end are {shown(float(position), float(angle))} from "
-                "there",
+                f"the joint positions planned for its end are {shown(float(position), float(angle))} away "
+                "from the goal",
                 place.step,
             )
         end: Array = claimed[0]
@@ -218,15 +220,19 @@ def _joints(judged: Judged, layout: Layout, row: int, place: Place, flange: Arra
 def _nearest(robot: Robot, q: Array, flange: Array) -> Array:
     """Return joint positions (n,) that bring the flange to a pose (4, 4), by Newton's method from `q`.
 
-    The result need not be exact: with a wrong corner the proof fails, but it never accepts a wrong motion.
+    The result need not be exact: a wrong corner may make a proof fail, but it can't make a proof accept a
+    wrong motion.
     """
     for _ in range(_ROUNDS):
         here, jacobian = poses_and_jacobians(robot.chain, q[None], np.eye(4))
-        # Error of position, and of orientation as the sine of the angle times the axis (from the
-        # antisymmetric part).
+        # Compute the errors of position and orientation. The error of the orientation is a vector along the
+        # axis of the rotation from one orientation to the other; its length is the sine of the angle. It
+        # follows from the antisymmetric part of this rotation.
         turn = here[0, :3, :3] @ flange[:3, :3].T
         vee = np.array([turn[1, 2] - turn[2, 1], turn[2, 0] - turn[0, 2], turn[0, 1] - turn[1, 0]]) / 2.0
         error = np.concatenate([flange[:3, 3] - here[0, :3, 3], vee])
+        # Newton step: find the change dq with J dq = error by least squares, with the Jacobian J. Small
+        # singular values are cut, so that the step stays finite at a singular position.
         q = q + np.linalg.lstsq(jacobian[0], error, rcond=1e-9)[0]
         if np.abs(error).max() < 1e-12:
             break
@@ -234,7 +240,7 @@ def _nearest(robot: Robot, q: Array, flange: Array) -> Array:
 
 
 def check_claims(judged: Judged, place: Place) -> tuple[float, float]:
-    """Compare a motion's goals as the planner claims them with the programmed ones.
+    """Compare the goals that the planner claims for a motion with the programmed ones.
 
     Differences beyond the tolerance are reported.
 
@@ -247,10 +253,10 @@ def check_claims(judged: Judged, place: Place) -> tuple[float, float]:
     goals = motion.goals
     claimed = claimed_joints(judged, place, len(goals))
     if isinstance(motion, hir.AvoidMove) and (way := claimed_way(judged, place)) is not None:
-        claimed = way[-1:]  # the way-points in between are not programmed
+        claimed = way[-1:]  # the waypoints in between are not programmed
     if claimed is None:
         shape = (len(goals), judged.robot.size)
-        judged.find("Y1161", f"no joint positions of shape {shape} were given for its way-points", place.step)
+        judged.find("Y1161", f"no joint positions of shape {shape} were given for its waypoints", place.step)
         return np.inf, np.inf
     worst = 0.0, 0.0
     flanges = flange_poses(judged.robot.chain, claimed)
@@ -267,7 +273,7 @@ def check_claims(judged: Judged, place: Place) -> tuple[float, float]:
         if off[0] > allowed[0] or off[1] > allowed[1]:
             judged.find(
                 "Y1161",
-                f"the planned way-point {i + 1} is {shown(*off)} from the programmed one",
+                f"the planned waypoint {i + 1} is {shown(*off)} away from the programmed one",
                 place.step,
             )
         worst = max(worst[0], off[0]), max(worst[1], off[1])

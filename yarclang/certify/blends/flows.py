@@ -19,7 +19,7 @@ from yarclang.progress import go_on
 from yarclang.robot.model import Array, Robot
 
 SHORTEST = 1e-6
-"""Least time between two passed corners without a blend radius [s]."""
+"""Least time between passing one corner without a blend radius and passing the next [s]."""
 
 _TOGETHER = 4096
 """Number of corners whose passing times are computed in one step."""
@@ -61,8 +61,8 @@ class Flows:
         free: (P, 2) True in the first column if a blend joins the path after its start, and in the second
             column if a blend leaves it before its end.
         corners: the corners, in order.
-        whole: (P, 2) range of all segments of the motion to examine, blends included, but nothing beyond
-            cuts.
+        whole: (P, 2) range of the segments of the motion, including its blends, but without segments beyond
+            its cuts.
         since: (P,) time of the cut at the motion's start, from the start of the cut segment [s]; NaN without
             one.
         until: (P,) time of the cut at the motion's end, from the start of the cut segment [s]; NaN without
@@ -77,7 +77,9 @@ class Flows:
     until: Array
 
     def is_cut(self, row: int) -> bool:
-        """Return True if a motion is cut at a corner without a blend radius."""
+        """Return True if a motion begins or ends inside a segment: at a corner without a ball (BLEND 0), the
+        path changes to the next one at some time within a segment.
+        """
         return bool(np.isfinite(self.since[row]) or np.isfinite(self.until[row]))
 
     def cubics(self, layout: Layout, row: int) -> Cubics:
@@ -105,11 +107,12 @@ class Flows:
 
 
 def covered_by_balls(free: NDArray[np.bool_]) -> Array:
-    """Return the share (...) at which a path is divided between two balls, if blends cover the whole path.
+    """Return the fraction (...) at which each path is divided between the balls around the corners at its two
+    ends. This is needed if blends cover a whole path.
 
-    The ball at the start must contain the path up to this share, and the ball at the end must contain the
-    rest. A path that is cut at its start has a ball at its end only, so the share is 0; a path that is cut at
-    its end has the share 1.
+    The ball at the start must contain the path up to this fraction, and the ball at the end must contain the
+    rest. A path that is cut at its start has a ball at its end only, so the fraction is 0; for a path that is
+    cut at its end, it is 1.
 
     Args:
         free: (..., 2) True in the first column if a blend joins the path after its start, and in the second
@@ -137,20 +140,21 @@ def find_flows(judged: Judged, layout: Layout, starts: Starts) -> Flows:
     passed = dict(_passed(judged, layout, starts, [corner for corner in corners if not corner.rounded]))
     for corner in corners:
         first, second, half = corner.first, corner.second, corner.segments // 2
-        # In a blend with a ball, half of the segments belong to either motion, and follow neither path.
+        # If the corner may be rounded within a ball, half of the blend's segments belong to each motion.
+        # These segments follow neither path.
         if corner.rounded:
             follow[first, 1] -= half
             follow[second, 0] += half
             free[first, 1] = free[second, 0] = True
             continue
-        # Without a ball, the first motion owns its last segment up to the time at which it passes the corner,
-        # and the second motion owns the rest of that segment.
+        # At a corner without a ball (BLEND 0), the first motion owns its last segment up to the time at which
+        # it passes the corner. The second motion owns the rest of that segment.
         segment, time = passed[corner]
         earliest = int(follow[first, 0])
         if segment < earliest:
             # Leave out segments that belong to the previous corner.
             segment, time = earliest, SHORTEST
-        # Both corners are passed in one segment: the second one must be passed after the first.
+        # If both corners are passed in one segment, the second one must be passed after the first.
         if segment == earliest and np.isfinite(since[first]):
             time = max(time, float(since[first]) + SHORTEST)
         follow[first, 1], follow[second, 0] = segment + 1, segment
@@ -163,19 +167,19 @@ def find_flows(judged: Judged, layout: Layout, starts: Starts) -> Flows:
 
 def _corners(layout: Layout, robot: Robot) -> list[Corner]:
     """Return all corners, in order."""
-    found, before = [], 0
+    corners, before = [], 0
     for row, place in enumerate(layout.places):
         if place.size:
             if place.before is not None:
-                found.append(_corner(layout, robot, before, row, place.before))
+                corners.append(_corner(layout, robot, before, row, place.before))
             before = row
-    return found
+    return corners
 
 
 def _passed(
     judged: Judged, layout: Layout, starts: Starts, corners: list[Corner]
 ) -> Iterator[tuple[Corner, tuple[int, float]]]:
-    """Yield each corner without a ball, with the instant at which the robot passes it.
+    """Yield each corner without a blend radius, with the instant at which the robot passes it.
 
     The instant is given as a segment and the time after the start of that segment [s].
     """
@@ -189,26 +193,26 @@ def _passed(
     for frame, group in groups.values():
         for begin in range(0, len(group), _TOGETHER):
             go_on()
-            own = group[begin : begin + _TOGETHER]
-            spans = np.array([_around(layout, corner) for corner in own])
+            batch = group[begin : begin + _TOGETHER]
+            spans = np.array([_around(layout, corner) for corner in batch])
             rows = np.concatenate([np.arange(*span) for span in spans])
-            owner = np.repeat(np.arange(len(own)), spans[:, 1] - spans[:, 0])
-            seconds = [corner.second for corner in own]
+            owner = np.repeat(np.arange(len(batch)), spans[:, 1] - spans[:, 0])
+            seconds = [corner.second for corner in batch]
             if frame is None:
-                weights = np.tile(joint_weights(robot, tolerance), (len(own), 1))
+                weights = np.tile(joint_weights(robot, tolerance), (len(batch), 1))
                 target = tangent.Corners(starts.q[seconds], weights)
             else:
-                weights = np.array([_weights(judged, layout, corner) for corner in own])
+                weights = np.array([_weights(judged, layout, corner) for corner in batch])
                 target = tangent.Corners(starts.q[seconds], weights, frame, starts.flange[seconds] @ frame)
             cubics = Cubics.of_spline(layout.control, layout.at[rows], layout.time[rows])
             found, time = tangent.passing(cubics, owner, target, robot.chain)
-            yield from zip(own, zip(rows[found].tolist(), time.tolist(), strict=True), strict=True)
+            yield from zip(batch, zip(rows[found].tolist(), time.tolist(), strict=True), strict=True)
 
 
 def _weights(judged: Judged, layout: Layout, corner: Corner) -> tuple[float, float]:
     """Return the weights of distance [1/m] and angle [1/rad] in the search for a corner's passing time.
 
-    They are the reciprocals of the stricter tolerance of both motions.
+    Each weight is 1 / tolerance. If the tolerances of the two motions differ, the smaller one counts.
     """
     one, other = (judged.tolerance_of(layout.places[row].motion) for row in (corner.first, corner.second))
     return 1.0 / min(one.position, other.position), 1.0 / min(one.angle, other.angle)
@@ -237,7 +241,7 @@ def _corner(layout: Layout, robot: Robot, first: int, second: int, segments: int
     one, other = layout.places[first].motion, layout.places[second].motion
     joints = isinstance(one, IN_JOINTS) and isinstance(other, IN_JOINTS)
     blend = one.blend
-    assert blend is not None  # the map agrees with the program
+    assert blend is not None  # the map lists a blend only where the program has one
     size = float(radii(blend, robot).max()) if joints else blend.length or 0.0
     return Corner(first, second, segments, segments > 0 and size > 0.0, joints)
 
@@ -247,12 +251,13 @@ class Asked:
     """Requirements on the speeds of P motions.
 
     Attributes:
-        top: (P, 2) speed limit of the frame's origin [m/s] and of its turn [rad/s]; NaN without a limit.
-        share: (P,) share of `top` below which the speed must not fall after `top` has been reached.
+        top: (P, 2) largest speed of the frame's origin [m/s], and largest angular speed [rad/s]; NaN without
+            a limit.
+        share: (P,) fraction of `top` below which the speed must not fall after `top` has been reached.
         around: (P, 2) largest allowed speed in the blend before the motion and in the blend after it [m/s].
-        held: (P, 2) True in the first column if the motion must have its speed already at its start, and in
-            the second column if still at its end. There, it flows through a corner without a ball, and the
-            neighbouring motion is not slower.
+        held: (P, 2) True in the first column if the motion must already have its speed at its start, in the
+            second column if it must still have its speed at its end. This is required at a corner without a
+            blend radius if the motion on the other side of the corner is not slower.
     """
 
     top: Array
@@ -270,15 +275,17 @@ def speeds_asked(judged: Judged, layout: Layout, flows: Flows) -> Asked:
         if speed is None or isinstance(place.motion, IN_JOINTS):
             continue
         kept = judged.share_of(place.step)
-        # The speed must reach `kept` of the programmed one, and never fall below `least` of it after that.
+        # The speed must reach the fraction `kept` of the programmed speed. After that, it must never fall
+        # below the planner's fraction `least`.
         share[row] = judged.least_of(place.step) / kept
         top[row] = (
             np.nan if speed.length is None else speed.length * kept,
             np.nan if speed.angle is None else speed.angle * kept,
         )
     around, held = np.full((count, 2), np.inf), np.zeros((count, 2), dtype=np.bool_)
-    # Each motion of a blend may have the higher of both speeds there. At a corner without a ball, the slower
-    # of both speeds is held up to the corner.
+    # In a blend, neither motion may be faster than the programmed speed of the faster motion. At a corner
+    # without a ball (BLEND 0), a motion must have its speed at the corner too, unless the other motion is
+    # slower.
     cruise = top[:, 0] * share
     for corner in flows.corners:
         pair = [corner.first, corner.second]

@@ -19,13 +19,17 @@ from yarclang.robot.model import Array, Chain
 _LOOKS = 8
 """Number of instants at which each segment is examined in the first search for a passing time."""
 _ROUNDS = 48
-"""Most rounds of the search for a zero."""
+"""Largest number of rounds of the search for a zero."""
 _FALSE_POSITIONS = 12
-"""Rounds of false position before bisection takes over; an almost straight function needs four or five."""
+"""Number of rounds of false position before bisection is used. An almost straight function needs four or
+five.
+"""
 _CLOSE = 1e-9
-"""Difference of times that count as equal, as a share of a segment."""
+"""Times that differ by at most this fraction of a segment's duration count as equal."""
 _LEAST = 1e-7
-"""Least distance of a passing time from both ends of its segment, as a share of the segment."""
+"""Least time between a passing time and either end of its segment, as a fraction of the segment's
+duration.
+"""
 
 
 @frozen(eq=False)
@@ -57,7 +61,7 @@ class Corners:
         off = tool_poses(chain, x, self.flange_from_moving)[:, :3] - self.poses[own, :3]
         far_weight, turn_weight = self.weights[own].T ** 2
         # The squared Frobenius norm of a rotation difference is 8 sin^2(angle / 2), about twice the squared
-        # angle.
+        # angle. Therefore `turn` is halved below.
         far, turn = _sum(off[:, :, 3] ** 2), _sum(_sum(off[:, :, :3] ** 2))
         found: Array = far * far_weight + turn * turn_weight / 2.0
         return found
@@ -106,31 +110,32 @@ def passing(cubics: Cubics, owner: Rows, corners: Corners, chain: Chain) -> tupl
     sizes = np.diff(np.append(begins, len(owner)))
     segment = np.repeat(np.arange(len(owner)), _LOOKS)
     share = np.tile(np.arange(_LOOKS) / _LOOKS, len(owner))
+    # For each corner, find the nearest of the points that are sampled on its segments, `_LOOKS` on each.
     far = corners.away(chain, owner[segment], _at(cubics, segment, share)[0])
     first = begins * _LOOKS
     nearest = _first_least(far, first)
     # The squared distance falls before the corner and grows after it: search for the zero of its rate between
     # the neighbours of the nearest examined point.
     low, high = np.maximum(nearest - 1, first), np.minimum(nearest + 1, first + sizes * _LOOKS - 1)
-    last, own = sizes - 1, np.arange(len(begins))
+    last, corner = sizes - 1, np.arange(len(begins))
 
     def rate(rows: Rows, place: Array) -> Array:
         """Return half the rate of change of the squared distance from corners.
 
         Args:
             rows: (K,) indices of the corners.
-            place: (K,) instants as a number of segments after the corner's first one; the fraction is the
-                share of a segment.
+            place: (K,) instants as a number of segments after the corner's first one; the fractional part is
+                the position within a segment.
         """
-        behind = np.minimum(place.astype(np.int64), last[rows])
-        return corners.closing(chain, rows, *_at(cubics, begins[rows] + behind, place - behind))
+        whole = np.minimum(place.astype(np.int64), last[rows])
+        return corners.closing(chain, rows, *_at(cubics, begins[rows] + whole, place - whole))
 
-    # Count places from each corner's own first segment, so that a result does not depend on where the corner
-    # is in the text.
+    # Count `place` from the first segment of each corner, so that a result does not depend on where the
+    # corner is in the text.
     edges = (segment[edge] - begins + share[edge] for edge in (low, high))
-    place = _crossing(rate, own, *edges)
+    place = _crossing(rate, corner, *edges)
     found = np.minimum(place.astype(np.int64), last)
-    # Both parts of the divided segment must have a duration.
+    # The corner divides the found segment: neither part may have the duration 0.
     part = np.clip(place - found, _LEAST, 1.0 - _LEAST)
     return begins + found, part * cubics.h[begins + found]
 
@@ -141,38 +146,39 @@ def _crossing(rate: Callable[[Rows, Array], Array], rows: Rows, low: Array, high
     The method is false position with the Illinois rule, followed by bisection if that is slow.
 
     Args:
-        rate: function that takes rows (M,) and positions (M,) and returns the rates there.
+        rate: function that takes rows (M,) and positions (M,) and returns the rates at these positions.
         rows: (K,) the rows.
         low: (K,) start of the search.
         high: (K,) end of the search.
     """
-    found = low.copy()
-    before, behind = rate(rows, low), rate(rows, high)
-    falls = before <= 0.0
+    crossing = low.copy()
+    low_rate, high_rate = rate(rows, low), rate(rows, high)
+    falls = low_rate <= 0.0
     # If the distance falls up to the end of the search, the corner is passed there.
-    found[falls & (behind <= 0.0)] = high[falls & (behind <= 0.0)]
-    (inner,) = np.nonzero(falls & (behind > 0.0) & (high - low > _CLOSE))
+    crossing[falls & (high_rate <= 0.0)] = high[falls & (high_rate <= 0.0)]
+    (inner,) = np.nonzero(falls & (high_rate > 0.0) & (high - low > _CLOSE))
     rows, fell, at = rows[inner], np.zeros(len(inner), dtype=np.int64), inner
-    low, high, before, behind = low[inner], high[inner], before[inner], behind[inner]
+    low, high, low_rate, high_rate = low[inner], high[inner], low_rate[inner], high_rate[inner]
     for turn in range(_ROUNDS):
         if not len(rows):
             break
-        part = before / (before - behind) if turn < _FALSE_POSITIONS else np.full(len(rows), 0.5)
-        # If the zero is close to one end, step just past it, so that the other end reaches it in the next
-        # round.
+        # False position takes the zero of the chord between both ends. Bisection takes the middle.
+        part = low_rate / (low_rate - high_rate) if turn < _FALSE_POSITIONS else np.full(len(rows), 0.5)
+        # If the zero is close to one end, step just past the zero. In the next round, the other end then
+        # moves close to the zero as well.
         aside = 0.4 * _CLOSE
         middle = np.clip(low + part * (high - low), low + aside, high - aside)
         now = rate(rows, middle)
         falls = now <= 0.0
         # Illinois rule: halve the value at an end that is kept twice in a row.
-        before = np.where(falls, now, np.where(fell < 0, 0.5 * before, before))
-        behind = np.where(falls, np.where(fell > 0, 0.5 * behind, behind), now)
+        low_rate = np.where(falls, now, np.where(fell < 0, 0.5 * low_rate, low_rate))
+        high_rate = np.where(falls, np.where(fell > 0, 0.5 * high_rate, high_rate), now)
         low, high, fell = np.where(falls, middle, low), np.where(falls, high, middle), np.where(falls, 1, -1)
-        found[at] = low
+        crossing[at] = low
         left = high - low > _CLOSE
         rows, fell, at = rows[left], fell[left], at[left]
-        low, high, before, behind = low[left], high[left], before[left], behind[left]
-    return found
+        low, high, low_rate, high_rate = low[left], high[left], low_rate[left], high_rate[left]
+    return crossing
 
 
 def _first_least(values: Array, begins: Rows) -> Rows:

@@ -12,11 +12,11 @@ Region = ShapeRegion | HalfSpace
 _NO_LENGTH = 1e-12
 """Vectors shorter than this [m] have no direction."""
 _ALONG = 1.0 - 1e-12
-"""Cosine from which on a direction counts as the normal of a half-space."""
+"""Least cosine of the angle between a direction and a half-space's normal at which both count as parallel."""
 
 
 def extent(region: Region, directions: Array) -> Array:
-    """Compute how far a region extends in given directions: the largest d . p over its points p.
+    """Compute the support function of a region in given directions: the largest d . p over its points p.
 
     Args:
         region: a half-space, or a shape in {B}.
@@ -26,21 +26,23 @@ def extent(region: Region, directions: Array) -> Array:
         The extents (P,) [m]; infinite in a direction in which the region is unbounded.
     """
     if isinstance(region, HalfSpace):
-        # The half-space n . p >= offset is bounded in the direction -n only.
+        # The half-space of the points p with n . p >= offset is bounded in the direction -n only; n is its
+        # normal.
         return np.where(-(region.normal @ directions) >= _ALONG, -region.offset, np.inf)
     placed, shape = region.base_from_shape, region.shape
-    # Support function of the shape: the support of its center plus that of the shape around it, in its own
-    # axes.
+    # The shape's extent is d . center, plus the extent of the shape around its center, which is computed in
+    # the shape's own axes.
     at_center: Array = np.asarray(placed[:3, 3] @ directions)
-    own = placed[:3, :3].T @ directions
+    local = placed[:3, :3].T @ directions
     if isinstance(shape, Box):
-        return np.asarray(at_center + 0.5 * (shape.size @ np.abs(own)))
+        # In the direction d, a box reaches half of its edges times |d|, summed over its axes.
+        return np.asarray(at_center + 0.5 * (shape.size @ np.abs(local)))
     if isinstance(shape, Sphere):
         return np.asarray(at_center + shape.radius)
-    ends: Array = 0.5 * shape.length * np.abs(own[2])
+    ends: Array = 0.5 * shape.length * np.abs(local[2])
     if isinstance(shape, Capsule):
         return np.asarray(at_center + ends + shape.radius)
-    rim: Array = shape.radius * np.hypot(own[0], own[1])
+    rim: Array = shape.radius * np.hypot(local[0], local[1])
     return at_center + ends + rim
 
 
@@ -52,12 +54,12 @@ def directions_to(region: Region, points: Array) -> Array:
     if isinstance(region, HalfSpace):
         return np.repeat(-region.normal[:, None], points.shape[1], axis=1)
     placed, shape = region.base_from_shape, region.shape
-    own = placed[:3, :3].T @ (points - placed[:3, 3:4])
-    away = own - _nearest(shape, own)
+    local = placed[:3, :3].T @ (points - placed[:3, 3:4])
+    away = local - _nearest(shape, local)
     length = np.sqrt((away**2).sum(axis=0))
     # A point inside is its own nearest point: use the direction from the axis or center instead.
     inside = length < _NO_LENGTH
-    away[:, inside], length[inside] = own[:, inside], np.sqrt((own[:, inside] ** 2).sum(axis=0))
+    away[:, inside], length[inside] = local[:, inside], np.sqrt((local[:, inside] ** 2).sum(axis=0))
     nowhere = length < _NO_LENGTH
     away[:, nowhere], length[nowhere] = np.array([[0.0], [0.0], [1.0]]), 1.0
     turned: Array = placed[:3, :3] @ (away / length)
@@ -67,16 +69,18 @@ def directions_to(region: Region, points: Array) -> Array:
 def _nearest(shape: Box | Sphere | Capsule | Cylinder, own: Array) -> Array:
     """Return the point of a shape nearest to each of the points (3, P), in the axes of the shape.
 
-    For a sphere it is the center and for a capsule a point of its axis, which give the same direction.
+    For a sphere, the center is returned instead, and for a capsule the nearest point of its axis: both are in
+    the same direction as the nearest point.
     """
     if isinstance(shape, Box):
         half = shape.size[:, None] / 2.0
         return np.clip(own, -half, half)
-    found = np.zeros_like(own)
+    nearest = np.zeros_like(own)
     if isinstance(shape, Sphere):
-        return found
-    found[2] = np.clip(own[2], -shape.length / 2.0, shape.length / 2.0)
+        return nearest
+    nearest[2] = np.clip(own[2], -shape.length / 2.0, shape.length / 2.0)
     if isinstance(shape, Cylinder):
+        # Move a point outside of the cylinder radially onto its wall.
         across = np.hypot(own[0], own[1])
-        found[:2] = own[:2] * np.minimum(1.0, shape.radius / np.maximum(across, _NO_LENGTH))
-    return found
+        nearest[:2] = own[:2] * np.minimum(1.0, shape.radius / np.maximum(across, _NO_LENGTH))
+    return nearest

@@ -67,18 +67,19 @@ def find_clearances(
         cells = [handled.at(place.step) for place in places]
         scenes: list[Scene] = []
         for around in dict.fromkeys(cells):
-            made = scene_of(robot, around)
-            if made.value is None:
+            result = scene_of(robot, around)
+            if result.value is None:
                 source = program.source
                 return {}, [
                     one if one.source else Diagnostic(one.code, one.message, source)
-                    for one in made.diagnostics
+                    for one in result.diagnostics
                 ]
-            scenes.append(made.value)
-        # One scene with all bodies: many motions are proved together, each with its own pairs.
+            scenes.append(result.value)
+        # Make one scene of all bodies, so that many motions can be proved together. Each motion has its own
+        # pairs.
         scene, pairs = together(scenes)
         of_cell = dict(zip(dict.fromkeys(cells), pairs, strict=True))
-        own = [of_cell[cell] for cell in cells]
+        pairs_of = [of_cell[cell] for cell in cells]
         lets = any(one.allowed is not None for one in scenes)
         if not len(scene.pairs.first) and not lets:
             continue
@@ -94,18 +95,18 @@ def find_clearances(
                     for row, place in enumerate(places)
                 }
                 continue
-        chosen = own if len(scenes) > 1 else None
-        found = clearances(scene, sweep.course, sweep.spans, chosen)
+        chosen = pairs_of if len(scenes) > 1 else None
+        proved = clearances(scene, sweep.course, sweep.spans, chosen)
         findings += [
-            _refuted(scene, sweep, one) for one in refuted(scene, sweep.course, sweep.spans, found, chosen)
+            _refuted(scene, sweep, one) for one in refuted(scene, sweep.course, sweep.spans, proved, chosen)
         ]
         kinds = {cell: _kinds(scene, of_cell[cell]) for cell in of_cell}
         for row, (place, cell) in enumerate(zip(places, cells, strict=True)):
             from_cell, from_itself = (
-                _clearance(scene, found, row, kind) if kind in kinds[cell] else None for kind in (1, 0)
+                _clearance(scene, proved, row, kind) if kind in kinds[cell] else None for kind in (1, 0)
             )
             apart[place.step] = Apart(from_cell, from_itself, touching.get(row, frozenset()))
-        for row, meetings in _by_motion(found.meetings):
+        for row, meetings in _by_motion(proved.meetings):
             contacts = [(one, contact(scene, sweep.course, sweep.span(row), one)) for one in meetings]
             findings.append(_finding(scene, sweep, row, contacts, robot))
     return apart, list(grouped(findings))
@@ -127,7 +128,7 @@ def _refuted(scene: Scene, sweep: Sweep, place: Nearer) -> Diagnostic:
 
 
 def _kinds(scene: Scene, own: Rows) -> set[int]:
-    """Return which kinds of pairs must be kept apart among the pairs `own`.
+    """Return the kinds of those pairs in `own` whose bodies must not touch.
 
     Kind 1 is a pair of a body of the robot and one of the cell, kind 0 a pair of two bodies of the robot.
     """
@@ -137,7 +138,7 @@ def _kinds(scene: Scene, own: Rows) -> set[int]:
 def _clearance(scene: Scene, found: Clearances, row: int, kind: int) -> Clearance:
     """Return the proved least distance in a motion among its pairs of bodies of one kind."""
     near, least = int(found.nearest[row, kind]), float(found.least[row, kind])
-    # Distances beyond `KNOWN` are only bounds, whose nearest bodies mean nothing.
+    # Beyond `KNOWN`, a distance is only a bound, and the bodies found need not be the nearest ones.
     return _FAR if near < 0 or least >= KNOWN else Clearance(least, *scene.names(near))
 
 
@@ -154,24 +155,24 @@ def _finding(
 ) -> Diagnostic:
     """Return a finding with the figures of a motion's worst pair of bodies, and the names of all others."""
     worst = min(contacts, key=lambda one: one[1].distance - scene.pairs.margin[one[0].pair])
-    pair, found = worst[0].pair, worst[1]
+    pair, closest = worst[0].pair, worst[1]
     moving, other = scene.names(pair)
     motion = sweep.places[row].motion
     origin = motion.origin
-    when = span_text(found.begin, found.end, sweep.lasts(row))
-    q = sweep.course.at(np.array([sweep.starts(row) + found.worst]))[0]
+    when = span_text(closest.begin, closest.end, sweep.lasts(row))
+    q = sweep.course.at(np.array([sweep.starts(row) + closest.worst]))[0]
     margin = float(scene.pairs.margin[pair])
-    if found.distance <= 0.0:
+    if closest.distance <= 0.0:
         code = "Y0901" if scene.pairs.of_cell[pair] else "Y0902"
-        how = f"{moving} goes {max(-found.distance / MM, 0.01):.3g} mm into {other}"
-    elif found.distance >= margin + SLACK:
+        how = f"{moving} penetrates {other} by {max(-closest.distance / MM, 0.01):.3g} mm"
+    elif closest.distance >= margin + SLACK:
         code = "Y0930"
-        how = f"{moving} comes within {found.distance / MM:.5g} mm of {other}"
+        how = f"{moving} comes within {closest.distance / MM:.5g} mm of {other}"
         how += f", whose margin is {margin / MM:.4g} mm" if margin > 0.0 else ""
-        how += f": too near it to prove that it keeps away, by {RESOLUTION / MM:.2g} mm at most"
+        how += f": too near the limit for a proof, which needs up to {RESOLUTION / MM:.2g} mm more"
     else:
         code = "Y0903"
-        how = f"{moving} comes within {found.distance / MM:.3g} mm of {other}"
+        how = f"{moving} comes within {closest.distance / MM:.3g} mm of {other}"
         how += (
             f", whose margin is {margin / MM:.4g} mm"
             if margin > 0.0
@@ -179,8 +180,8 @@ def _finding(
         )
     names = dict.fromkeys(" and ".join(scene.names(one.pair)) for one, _ in contacts)
     names.pop(f"{moving} and {other}")
-    more = f"; as well too near: {', '.join(names)}" if names else ""
-    message = f"{how}, {when}; worst at {found.worst:.3f} s, {pose_text(robot, origin, q)}{more}"
+    more = f"; also too near: {', '.join(names)}" if names else ""
+    message = f"{how}, {when}; worst at {closest.worst:.3f} s, {pose_text(robot, origin, q)}{more}"
     near = (min(one.begin for _, one in contacts), max(one.end for _, one in contacts))
     help_, fix = remedy(motion, _REMEDIES[code], near, sweep.lasts(row))
     return Diagnostic(code, message, origin.source, origin.span, help_, fix, place=origin.place)
@@ -188,19 +189,16 @@ def _finding(
 
 _REMEDIES = {
     "Y0901": (
-        "go round it: a via pose, another order, or NEAR for another configuration; or correct the "
-        "obstacle in the cell.toml"
+        "avoid it by a via pose, another order, or another configuration (NEAR); or correct the obstacle "
+        "in the cell.toml"
     ),
     "Y0902": (
-        "choose another configuration (NEAR) or a via pose; where these links always touch, `yarc robot "
-        "check` says what to write into robot.toml"
+        "choose another configuration (NEAR) or a via pose; if these links always touch, `yarc robot "
+        "check` shows what to write into robot.toml"
     ),
     "Y0930": (
-        "keep a little farther away, or draw what it passes with boxes, cylinders, spheres and capsules: "
-        "past these the proof is sharper than along a hollow mesh"
+        "keep a little farther away, or describe the obstacle by boxes, cylinders, spheres and capsules: "
+        "the proof is tighter for these than for a hollow mesh"
     ),
-    "Y0903": (
-        "keep away by its margin: a via pose or a slower approach elsewhere; or make the margin smaller in "
-        "the cell.toml"
-    ),
+    "Y0903": ("keep the margin, for example with a via pose; or reduce the margin in the cell.toml"),
 }

@@ -2,12 +2,13 @@
 
 The planner uses `yarclang.collision.zones.speed` instead; the two modules share no code.
 
-Segments are halved into pieces until each piece is settled: it is proved to be outside of the zone or not
-faster than the largest speed found so far, or it is too short to decide, and its bound counts. Three bounds
-settle a piece of duration d. A point moves by at most V d. In any direction, a point is lower than the lowest
-of its positions at both ends and in the middle by at most A d^2 / 32. Its speed exceeds the larger speed of
-both ends by at most J d^2 / 8. V, A and J bound the first three derivatives of all points of the body
-(`derivatives`).
+Segments are halved into pieces until each piece is settled. A piece is settled if the body is proved to be
+outside of the zone on it, or not faster than the largest speed found so far. It is also settled if it is too
+short to decide this; then the bound of its speed counts as a speed in the zone. Three bounds settle a piece
+of duration d. A point moves by at most V d. In any direction, take the lowest of a point's coordinates at
+both ends and in the middle: in between, the point is lower by at most A d^2 / 32. A point's speed exceeds the
+larger of its speeds at both ends by at most J d^2 / 8. V, A and J bound the first three derivatives of all
+points of the body (`derivatives`).
 """
 
 from __future__ import annotations
@@ -32,11 +33,11 @@ Rows = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 SHARP = 2e-4
-"""Share of the largest speed by which its bound may exceed it."""
+"""Fraction by which the bound of the largest speed may exceed the largest speed found."""
 NEAR = 1e-5
 """Distance from a zone's border within which a point counts as on the border [m]."""
 SAME = 1e-10
-"""Differences of joint positions [rad or m] and velocities [rad/s or m/s] that count as rounding."""
+"""Largest differences of joint positions [rad or m] and velocities [rad/s or m/s] that count as rounding."""
 NEAR_JOINT = 1e-6
 """Distance within which a joint position counts as on the end of a window [rad or m]."""
 
@@ -108,6 +109,8 @@ class Joints:
         """
         fastest = np.zeros(self.shift.shape[1])
         for own in item.points:
+            # A point p has the velocity v + omega x p, where v is that of the body's point at the origin of
+            # {B}.
             x, y, z = self.point(own)
             fastest = np.maximum(
                 fastest,
@@ -127,7 +130,8 @@ class Motions:
 
     @cached_property
     def _ends(self) -> tuple[tuple[Array, Array, Array], Rows]:
-        """Compute the arm at the start of each segment, and at its end if that differs from the next start.
+        """Compute the arm's placements and velocities at the start of each segment, and at its end if that
+        differs from the start of the next segment.
 
         The second value is, for each segment, the index of its end among the computed instants.
         """
@@ -137,15 +141,15 @@ class Motions:
             (np.abs(other[:-1] - one[1:]) <= SAME).all(axis=1)
             for one, other in zip(before, after, strict=True)
         ]
-        own = np.append(np.flatnonzero(~(same[0] & same[1])), count - 1)
+        last = np.append(np.flatnonzero(~(same[0] & same[1])), count - 1)
         stops = np.arange(1, count + 1)
-        stops[own] = count + np.arange(len(own))
-        q, rate = (np.concatenate([one, other[own]]) for one, other in zip(before, after, strict=True))
+        stops[last] = count + np.arange(len(last))
+        q, rate = (np.concatenate([one, other[last]]) for one, other in zip(before, after, strict=True))
         return motions(self.chain, q, rate), stops
 
     def ends(self, joint: int) -> tuple[Joints, Joints]:
-        """Return the bodies that the first `joint` joints move, at the starts and at the ends of all
-        segments.
+        """Return the placements and velocities of the bodies that the first `joint` joints move, at the
+        starts and at the ends of all segments.
         """
         found, stops = self._ends
         arm = _of(found, joint)
@@ -196,35 +200,39 @@ class _Search:
             rows = np.flatnonzero(~self._is_far(segment, begin, end, arms))
             segment, begin, end = segment[rows], begin[rows], end[rows]
             arms = arms[0].take(rows), arms[1].take(rows)
-            # A comparison with NaN is False, so a piece with NaN is never settled.
             bound = np.maximum(arms[0].speed(self.item), arms[1].speed(self.item))
-            # |p'| is convex along a chord of velocities, and p' leaves its chord by at most J d^2 / 8.
+            # On a chord of velocities, the speed is largest at an end. On a piece of duration d, the velocity
+            # leaves its chord by at most J d^2 / 8, where J bounds the third derivative.
             bound = bound + self.third[segment] * (end - begin) ** 2 / 8.0
-            rows = np.flatnonzero(~(bound <= self._known(segment)))
+            rows = np.flatnonzero(self._is_open(segment, bound))
             segment, begin, end, bound = segment[rows], begin[rows], end[rows], bound[rows]
             arms = arms[0].take(rows), arms[1].take(rows)
             half = (begin + end) / 2.0
             middle = self.all.at(self.item.joint, segment, half)
             out, inside = self._where(segment, end - begin, half, (arms[0], middle, arms[1]))
-            # A body that is inside in the middle of a piece has its speed there: it raises the known speed,
-            # which settles other pieces.
+            # If the body is inside the zone in the middle of a piece, its speed there may raise the largest
+            # speed found, which settles other pieces.
             self._learn(segment[inside], half[inside], middle.take(np.flatnonzero(inside)).speed(self.item))
-            # On a piece with a motion below `NEAR`, it is undecided if the body is inside: count its bound.
+            # If the body moves by less than `NEAR` on a piece, more halving won't decide whether it is
+            # inside: regard it as inside, and count the bound of its speed.
             short = ~out & ~(self.first[segment] * (end - begin) > NEAR)
             self._learn(segment[short], half[short], bound[short])
-            rows = np.flatnonzero(~out & ~short & ~(bound <= self._known(segment)))
+            rows = np.flatnonzero(~out & ~short & self._is_open(segment, bound))
             segment = np.concatenate([segment[rows], segment[rows]])
             begin, end = np.concatenate([begin[rows], half[rows]]), np.concatenate([half[rows], end[rows]])
             inner = middle.take(rows)
             arms = arms[0].take(rows).joined(inner), inner.joined(arms[1].take(rows))
         return Fastest(np.where(self.segment >= 0, self.best * (1.0 + SHARP), 0.0), self.segment, self.time)
 
-    def _known(self, segment: Rows) -> Array:
-        """Return the speeds that pieces must exceed to be examined further: the largest one found in their
-        motion, increased by the share `SHARP`.
+    def _is_open(self, segment: Rows, bound: Array) -> Flags:
+        """Return True for pieces that must be examined further: the bound of their speed exceeds the largest
+        speed found so far in their motion, increased by the fraction `SHARP`.
+
+        A comparison with NaN is False. It is negated, so that a piece whose bound is NaN stays open. A motion
+        in which NaN was found is settled: no zone allows this speed.
         """
-        known: Array = self.best[self.motion[segment]] * (1.0 + SHARP)
-        return known
+        known = self.best[self.motion[segment]] * (1.0 + SHARP)
+        return np.asarray(~(bound <= known) & ~np.isnan(known))
 
     def _is_far(self, segment: Rows, begin: Array, end: Array, arms: tuple[Joints, Joints]) -> Flags:
         """Return True for pieces on which the body stays outside of the zone, as shown by a ball around the
@@ -232,15 +240,17 @@ class _Search:
         """
         region, long = self.region, end - begin
         if isinstance(region, JointWindow):
-            # A function exceeds its chord by at most d^2 / 8 of its second derivative.
+            # On a piece of duration d, a joint position leaves its chord by at most d^2 / 8 times the largest
+            # acceleration.
             cubics = self.all.cubics.take(segment)
             before, after = cubics.at(begin)[0], cubics.at(end)[0]
             most = np.maximum(np.abs(cubics.a), np.abs(cubics.a + cubics.h[:, None] * cubics.j))
             sag = most * (long**2 / 8.0)[:, None] + NEAR_JOINT
             below = np.maximum(before, after) + sag < region.lower
             return np.asarray((below | (np.minimum(before, after) - sag > region.upper)).any(axis=1))
-        # A signed distance changes by at most V d on the piece, so it is nowhere less than half of the sum of
-        # both ends less V d.
+        # The body's middle is no faster than V = `first`, so its signed distance from the region changes by
+        # at most V d on a piece of duration d. It is therefore nowhere less than half of (the sum of its
+        # values at both ends, less V d).
         gaps = np.zeros(len(segment))
         for arm in arms:
             center = arm.point(self.item.middle)
@@ -252,8 +262,8 @@ class _Search:
     def _where(
         self, segment: Rows, long: Array, half: Array, arms: tuple[Joints, Joints, Joints]
     ) -> tuple[Flags, Flags]:
-        """Return two masks of pieces: the body stays outside of the zone; the body is inside in the
-        middle.
+        """Return two masks of pieces: True where the body stays outside of the zone; True where it is inside
+        in the middle of the piece.
         """
         region = self.region
         if isinstance(region, JointWindow):
@@ -275,15 +285,18 @@ class _Search:
     def _beyond(
         self, region: Region, segment: Rows, long: Array, arms: tuple[Joints, Joints, Joints], toward: Array
     ) -> tuple[Flags, Array]:
-        """Return on which pieces planes keep the body out of the zone, and the gaps (P,) [m] in the middles.
+        """Return a mask of the pieces on which planes keep the body out of the zone, and the gaps (P,) [m] in
+        the middles of the pieces.
 
         `toward` (3, P) are the normals of the planes, one for each piece.
         """
-        # The lowest value of d . p at both ends and in the middle, less the largest value in the region, is
-        # the gap.
+        # Let n be the normal of a plane. The gap at an instant is the least n . p over the points p of the
+        # body, less the largest n . p over the region.
         low = [arm.lowest(self.item, toward) for arm in arms]
         reach = extent(region, toward)
         seen = low[1] - reach
+        # On each half of a piece of duration d, n . p leaves its chord by at most A (d / 2)^2 / 8, where A
+        # bounds the acceleration.
         chords = (
             np.minimum(np.minimum(low[0], low[2]), low[1]) - reach - self.second[segment] * long**2 / 32.0
         )
@@ -307,8 +320,8 @@ class _Search:
         motion = self.motion[segment]
         most = self.best.copy()
         np.maximum.at(most, motion, speed)
-        # Rows that reach the new maximum of their motion, if that is a new one; written as negations because
-        # of NaN.
+        # Select the rows with a new maximum of their motion. The comparisons are negated, so that rows with
+        # NaN are selected too.
         new = np.flatnonzero(~(speed < most[motion]) & ~(most[motion] <= self.best[motion]))
         self.segment[motion[new]] = segment[new]
         self.time[motion[new]] = self.all.starts[segment[new]] + time[new]
@@ -321,7 +334,7 @@ def derivatives(chain: Chain, cubics: Cubics, item: Item) -> tuple[Array, Array,
     The position of a point is a sum of vectors from one joint axis to the next, each of a fixed length and
     turned by the joints before it. The derivatives of such a vector are at most its length times W, W^2 + A
     and W^3 + 3 W A + J, with the sums W, A and J of these joints' largest velocities, accelerations and
-    jerks. A vector along a sliding joint also changes its length; Leibniz' rule gives its derivatives.
+    jerks. A vector along a prismatic joint also changes its length; Leibniz' rule gives its derivatives.
     """
     lines = axes_of(chain)
     peaks = (
@@ -329,7 +342,11 @@ def derivatives(chain: Chain, cubics: Cubics, item: Item) -> tuple[Array, Array,
         np.maximum(np.abs(cubics.a), np.abs(cubics.a + cubics.h[:, None] * cubics.j)),
         np.abs(cubics.j),
     )
-    far = np.abs(cubics.x) + peaks[0] * cubics.h[:, None]
+    # The largest distance of each joint from zero on a segment is at most that at its start, plus the largest
+    # velocity times the duration.
+    farthest = np.abs(cubics.x) + peaks[0] * cubics.h[:, None]
+    # Go from the body towards the base. The foot on each axis is the point nearest to the previous foot, and
+    # the distances between feet are the lengths of the vectors. They don't change while the joints turn.
     lengths = np.zeros(item.joint)
     here, rest = item.middle, item.bound
     for joint in range(item.joint - 1, -1, -1):
@@ -342,13 +359,14 @@ def derivatives(chain: Chain, cubics: Cubics, item: Item) -> tuple[Array, Array,
     first, second, third = (np.zeros(len(cubics.h)) for _ in range(3))
     for joint in range(item.joint):
         turn, slide = float(lines.turn[joint]), abs(float(lines.slide[joint]))
-        # Leibniz' rule for a step of length s along an axis that turns with W, A and J.
+        # Apply Leibniz' rule to a slide by the length s along an axis that turns with w, a and j, the sums of
+        # the rates of the joints before.
         if slide:
-            s, v, u, p = (slide * one[:, joint] for one in (far, *peaks))
+            s, v, u, p = (slide * one[:, joint] for one in (farthest, *peaks))
             first = first + w * s + v
             second = second + (w**2 + a) * s + 2.0 * w * v + u
             third = third + (w**3 + 3.0 * w * a + j) * s + 3.0 * (w**2 + a) * v + 3.0 * w * u + p
-        # Steps after a turning joint turn with it as well.
+        # The vectors beyond a revolute joint turn with it as well.
         w, a, j = (before + turn * one[:, joint] for before, one in zip((w, a, j), peaks, strict=True))
         first = first + lengths[joint] * w
         second = second + lengths[joint] * (w**2 + a)

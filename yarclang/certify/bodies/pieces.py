@@ -1,11 +1,11 @@
 """Proof that the convex pieces of a mesh contain the mesh.
 
-The judge checks the division by a method of its own. Each piece belongs to a cell, a box that is made a
-little smaller here. The judge computes all points that can be extreme points of the part of the solid in this
-cell: corners of triangles inside the cell, points where edges of triangles meet the cell's borders, points
-where the cell's edges meet triangles, and those corners of the cell that are inside the solid. A piece is
-convex: if it contains all of these points, it contains the part of the solid in its cell. The cells must fill
-the box around the mesh without overlapping.
+The judge checks the division by a method of its own. Each piece belongs to a cell, a box, which the judge
+makes a little smaller. The judge computes all points that can be extreme points of the part of the solid in
+this cell: corners of triangles inside the cell, points where edges of triangles meet the cell's borders,
+points where the cell's edges meet triangles, and those corners of the cell that are inside the solid. A piece
+is convex: if it contains all of these points, it contains the part of the solid in its cell. The cells must
+fill the box around the mesh without overlapping.
 """
 
 from __future__ import annotations
@@ -34,7 +34,9 @@ _BORDER = 1e-6
 It is no larger than the error of computed distances.
 """
 _ROUNDED = 1e-9
-"""Share of a box's volume by which the summed volume of its cells may differ."""
+"""Largest allowed difference between a box's volume and the total volume of its cells, as a fraction of the
+box's volume.
+"""
 
 
 def incomplete(robot: Robot, cell: Cell | None, source: SourceFile) -> Iterator[Diagnostic]:
@@ -49,14 +51,18 @@ def incomplete(robot: Robot, cell: Cell | None, source: SourceFile) -> Iterator[
             continue
         off = _off(shape)
         if off > ALLOWED:
-            lacks = f"lack up to {off / MM:.3g} mm of it" if np.isfinite(off) else "leave a gap between them"
+            lacks = (
+                f"leave up to {off / MM:.3g} mm of it uncovered"
+                if np.isfinite(off)
+                else "leave a gap between them"
+            )
             message = f"the {shape.pieces} pieces of the mesh {shape.path.name} of {name} {lacks}"
             yield Diagnostic("Y0961", message, source, help=_REPORT)
 
 
 _REPORT = (
-    "nothing is written: this is an error of yarclang; please report it with the mesh, and remove pieces "
-    "until it is corrected"
+    "nothing is written: this is an error of yarclang; please report it with the mesh, and remove the key "
+    "`pieces` until then"
 )
 
 
@@ -67,7 +73,7 @@ def _off(shape: Mesh) -> float:
         skin = geometry_of(replace(shape, pieces=0)).skin
     except UnreadableError:
         skin = None
-    # A mesh that has changed or can't be read is reported with the scene.
+    # A mesh that has changed or can't be read gets its finding when the scene is made.
     return 0.0 if skin is None or isinstance(pieces, UnreadableError) else lacking(skin, pieces)
 
 
@@ -128,24 +134,27 @@ def _points(triangles: Array, low: Array, high: Array) -> Array:
 
     Corners of the cell inside the solid are not among them.
     """
-    found = [triangles.reshape(-1, 3)]
-    # Points at which edges of triangles cross the planes of the cell's faces.
+    candidates = [triangles.reshape(-1, 3)]
+    # Add the points at which edges of triangles cross the planes of the cell's faces.
     for axis, at in product(range(3), (low, high)):
         for one, other in ((0, 1), (1, 2), (2, 0)):
             first, second = triangles[:, one], triangles[:, other]
             below, above = first[:, axis] - at[axis], second[:, axis] - at[axis]
+            # An edge crosses the plane if its ends have signed distances of opposite signs; the crossing
+            # divides the edge in their ratio.
             cut = below * above < 0.0
             share = below[cut] / (below[cut] - above[cut])
-            found.append(first[cut] + share[:, None] * (second[cut] - first[cut]))
-    # Points at which triangles meet the lines of the cell's edges; triangles parallel to a line are left out,
-    # since their edges are covered above.
+            candidates.append(first[cut] + share[:, None] * (second[cut] - first[cut]))
+    # Add the points at which triangles meet the lines of the cell's edges. Triangles parallel to a line are
+    # left out, since their edges are covered above.
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     for axis in range(3):
         side, top = (axis + 1) % 3, (axis + 2) % 3
         across = np.abs(normals[:, axis]) > 0.0
+        # Parallel to this axis, the cell has four edges: one for each pair of the other two coordinates.
         for at, over in product((low[side], high[side]), (low[top], high[top])):
-            found.append(_on_line(triangles[across], axis, (at, over)))
-    points = np.concatenate(found)
+            candidates.append(_on_line(triangles[across], axis, (at, over)))
+    points = np.concatenate(candidates)
     within = ((points >= low - ALLOWED) & (points <= high + ALLOWED)).all(axis=1)
     found_within: Array = points[within]
     return found_within
@@ -160,6 +169,8 @@ def _on_line(triangles: Array, axis: int, at: tuple[float, float]) -> Array:
         at: the line's other two coordinates, in cyclic order after `axis` [m].
     """
     side, top = (axis + 1) % 3, (axis + 2) % 3
+    # Project the triangles along the axis, with the line at the origin. Each row of `turns` is twice the
+    # signed area of the triangle between the line and one edge.
     flat = triangles[:, :, [side, top]] - np.array(at)
     turns = np.stack(
         [
@@ -182,7 +193,8 @@ def _is_filled(triangles: Array, point: Array) -> bool:
     A triangle's solid angle is 2 atan2(volume, rest) (Van Oosterom and Strackee 1983).
     """
     a, b, c = (triangles[:, number] - point for number in range(3))
-    # tan(angle / 2) = a . (b x c) / (|a||b||c| + (a . b)|c| + (b . c)|a| + (c . a)|b|).
+    # Let a, b, c be the vectors from the point to a triangle's corners. The triangle's solid angle follows
+    # from tan(angle / 2) = a . (b x c) / (|a||b||c| + (a . b)|c| + (b . c)|a| + (c . a)|b|).
     one, other, third = (np.sqrt((arm * arm).sum(axis=1)) for arm in (a, b, c))
     volume = (a * np.cross(b, c)).sum(axis=1)
     rest = one * other * third + (a * b).sum(axis=1) * third
@@ -195,6 +207,7 @@ def _beyond(piece: Geometry, points: Array) -> float:
     from scipy.spatial import ConvexHull
 
     assert piece.corners is not None  # each piece has corners
+    # Each face is given as n . x + offset <= 0 for points x inside, with the unit normal n.
     faces = ConvexHull(piece.corners + piece.middle).equations
     parts = np.array_split(np.unique(points, axis=0), len(points) * len(faces) // 10_000_000 + 1)
     return max(float((part @ faces[:, :3].T + faces[:, 3]).max()) for part in parts if len(part))

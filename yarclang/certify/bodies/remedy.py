@@ -10,7 +10,7 @@ from yarclang.diagnostics import Edit, Fix
 _PROGRAM = ".yarc"
 
 _EDGE = 1e-6
-"""Difference of times that count as equal [s]."""
+"""Largest difference of two times that count as equal [s]."""
 
 
 def remedy(
@@ -22,8 +22,8 @@ def remedy(
 
     Args:
         motion: the motion.
-        otherwise: the remedy other than a path around the obstacle.
-        when: interval in which the motion is too close, from its start [s].
+        otherwise: a remedy that is not a path around the obstacle.
+        when: start and end of the interval in which the motion is too close, after the motion's start [s].
         lasts: duration of the motion [s].
     """
     origin = motion.origin
@@ -32,17 +32,17 @@ def remedy(
         chooses = isinstance(motion, hir.JointMove) and isinstance(motion.goal, hir.PoseGoal)
         other = ", take another configuration (NEAR)" if chooses else ""
         text = (
-            f"its target is there, so that no way round helps: move the target away{other}, or "
+            f"the target itself is there, so no detour helps: move the target away{other}, or "
             f"{_correction(otherwise)}"
         )
     elif when[0] <= _EDGE:
         text = (
-            "it begins there, so that no way round helps: end the motion before it elsewhere, or "
-            f"{_correction(otherwise)}"
+            "the motion begins there, so no detour helps: begin elsewhere (at START, or where the motion "
+            f"before it ends), or {_correction(otherwise)}"
         )
     else:
         fix = round_it(motion)
-        text = f"{fix.title}, which finds a way round by itself; or {otherwise}" if fix else otherwise
+        text = f"{fix.title}, which plans a detour; or {otherwise}" if fix else otherwise
     source = origin.source
     if source.name.endswith(_PROGRAM) and not source.module:
         text += f"; `yarc view {shlex.quote(source.name)}` shows it"
@@ -50,8 +50,8 @@ def remedy(
 
 
 def _correction(otherwise: str) -> str:
-    """Return the part of a remedy that doesn't change the motion's path: what follows the last semicolon, or
-    the whole text without one.
+    """Return the part of a remedy that doesn't change the motion's path: the text after its last semicolon,
+    or the whole text if it has no semicolon.
     """
     return otherwise.rpartition("; ")[2].removeprefix("or ")
 
@@ -59,8 +59,8 @@ def _correction(otherwise: str) -> str:
 def round_it(motion: hir.Motion) -> Fix | None:
     """Return a fix that adds _AVOID to a motion's name, so that the planner finds a path around obstacles.
 
-    None for motions that have no such form: only motions to a goal, straight in joint space or in space, have
-    it.
+    Return None for any motion but a MOVEJ or MOVEL to an absolute goal without UNTIL: only these have a form
+    with _AVOID.
     """
     origin = motion.origin
     if not isinstance(motion, hir.JointMove | hir.LineMove) or motion.search is not None:

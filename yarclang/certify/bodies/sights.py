@@ -57,8 +57,10 @@ class Sighted:
 class Aim:
     """Position of a point relative to a cone at P instants.
 
-    These are the `angle` (P,) from the cone's axis [rad], the `distance` (P,) from its apex [m], and the
-    vector `way` (3, P) from the apex to the point [m].
+    Attributes:
+        angle: (P,) angle of the point from the cone's axis [rad].
+        distance: (P,) distance of the point from the apex [m].
+        way: (3, P) vector from the apex to the point [m].
     """
 
     angle: Array
@@ -89,7 +91,7 @@ def seen_at(chain: Chain, sight: Sight, q: Array) -> tuple[float, float]:
 
 
 class _Cone:
-    """A rule about a cone, for the segments of some motions, with bounds of their derivatives."""
+    """A rule about a cone, for the segments of some motions, with bounds of the motions' derivatives."""
 
     def __init__(self, motions: Motions, sight: Sight) -> None:
         chain, cubics = motions.chain, motions.cubics
@@ -101,6 +103,10 @@ class _Cone:
         if sight.is_carried:
             self.axis = turn @ self.axis
             turns = axes_of(chain).turn
+            # The axis is a unit vector turned by the joints one after the other. Each of its partial
+            # derivatives over joint positions has length 1 at most. With the sums W and A of all joints'
+            # largest velocities and accelerations, |a'| <= W and |a''| <= A + W^2 therefore hold (Faa di
+            # Bruno).
             self.turning = np.abs(cubics.velocity_peaks()) @ turns
             peaks = np.maximum(np.abs(cubics.a), np.abs(cubics.a + cubics.h[:, None] * cubics.j))
             self.bending = peaks @ turns + self.turning**2
@@ -114,6 +120,8 @@ class _Cone:
             way, axis = self.spot - carried, np.tensordot(arm.turn, self.axis, axes=(1, 0))
         else:
             way, axis = carried - self.spot, np.broadcast_to(self.axis[:, None], carried.shape)
+        # The angle by atan2 of cross and dot product is accurate near 0 and pi, where arccos of the dot
+        # product is not.
         cross = (
             axis[1] * way[2] - axis[2] * way[1],
             axis[2] * way[0] - axis[0] * way[2],
@@ -137,21 +145,31 @@ class _Cone:
         """Return the largest angle [rad] and the least and the largest distance [m] on each piece, (P,)
         each.
         """
+        # On a piece of duration d, the point moves by at most V d, and leaves its chord by at most A d^2 / 8.
+        # V and A bound its velocity and its acceleration.
         speed, sag = self.speed[segment] * long, self.strength[segment] * long**2 / 8.0
         step = after.way - before.way
+        # Find the point of the chord that is nearest to the apex: the projection of the apex, clipped to the
+        # chord.
         size, toward = (step**2).sum(axis=0), -(before.way * step).sum(axis=0)
         share = np.where(size > 0.0, np.clip(toward / np.where(size > 0.0, size, 1.0), 0.0, 1.0), 0.0)
         chord = np.sqrt(((before.way + share * step) ** 2).sum(axis=0))
         both = before.distance + after.distance
+        # On the piece, the point's distance from the apex changes by at most `speed`. It differs from the
+        # chord's distance by at most `sag`, and the chord's distance is largest at an end.
         low = np.maximum((both - speed) / 2.0, chord - sag)
         high = np.minimum((both + speed) / 2.0, np.maximum(before.distance, after.distance) + sag)
         known = low > 0.0
         radius = np.where(known, low, np.inf)
+        # Bound |u'| by V / r, and the second derivative of the cosine by B + 2 W V / r + |u''|, as derived at
+        # the head of this module.
         swing = self.speed[segment] / radius
         turning = self.turning[segment]
         bend = self.bending[segment] + 2.0 * turning * swing
         bend = bend + self.strength[segment] / radius + 2.0 * swing**2
         worst = np.maximum(before.angle, after.angle)
+        # On a piece of duration d, the cosine falls below its chord by at most d^2 / 8 times its second
+        # derivative.
         cosine = np.cos(worst) - bend * long**2 / 8.0
         most = np.minimum(
             (before.angle + after.angle + (turning + swing) * long) / 2.0,
@@ -170,7 +188,7 @@ def sighted(motions: Motions, sight: Sight) -> Sighted:
     cone, spans, joints = _Cone(motions, sight), motions.spans, motions.chain.size
     count = len(spans)
     motion = np.repeat(np.arange(count), np.diff(spans, axis=1)[:, 0])
-    # cubics have exactly the segments of the spans
+    # The motions' segments are consecutive.
     first = int(spans[0, 0])
     segment = np.arange(first, first + len(motion))
     begin, end = np.zeros(len(segment)), motions.cubics.h[segment]
@@ -181,37 +199,39 @@ def sighted(motions: Motions, sight: Sight) -> Sighted:
 
     def learn(rows: NDArray[np.int64], aim: Aim, time: Array) -> None:
         """Store the largest angle of each motion, and its worst sample with its time."""
-        excess, own = cone.excess(aim), motion[rows - first]
-        np.maximum.at(seen, own, aim.angle)
+        excess, owner = cone.excess(aim), motion[rows - first]
+        np.maximum.at(seen, owner, aim.angle)
+        # Written in ascending order, so that the largest excess of a motion is written last.
         order = np.argsort(excess, kind="stable")
-        larger = order[excess[order] > over[own[order]]]
-        over[own[larger]] = excess[larger]
-        when[own[larger]] = (motions.starts[rows] + time)[larger]
+        larger = order[excess[order] > over[owner[order]]]
+        over[owner[larger]] = excess[larger]
+        when[owner[larger]] = (motions.starts[rows] + time)[larger]
 
     learn(segment, before, begin)
     learn(segment, after, end)
     done = 0
     while len(segment):
         go_on()
-        own, long = motion[segment - first], end - begin
+        owner, long = motion[segment - first], end - begin
         angle, low, high = cone.bounds(segment, long, before, after)
-        # A comparison with NaN is false: such a piece is never settled.
         exceeds |= ~(over <= SLACK / 2.0)
         enough = np.minimum(
-            sight.limit + SLACK, np.maximum(seen[own] * (1.0 + SHARP) + SLACK, sight.limit * KNOWN)
+            sight.limit + SLACK, np.maximum(seen[owner] * (1.0 + SHARP) + SLACK, sight.limit * KNOWN)
         )
+        # A comparison with NaN is False, so a piece with NaN is never settled.
         kept = (angle <= enough) & (low >= sight.near - SLACK) & (high <= sight.far + SLACK)
-        settled = kept | exceeds[own]
-        np.maximum.at(most, own[settled], angle[settled])
-        np.minimum.at(least, own[settled], low[settled])
-        np.maximum.at(farthest, own[settled], high[settled])
+        settled = kept | exceeds[owner]
+        np.maximum.at(most, owner[settled], angle[settled])
+        np.minimum.at(least, owner[settled], low[settled])
+        np.maximum.at(farthest, owner[settled], high[settled])
         rows = np.flatnonzero(~settled)
         done += len(rows)
         if done > MOST:
-            exceeds[own[rows]] = True
+            exceeds[owner[rows]] = True
             break
         segment, begin, end = segment[rows], begin[rows], end[rows]
         before, after = before.take(rows), after.take(rows)
+        # Halve the pieces that aren't settled. The middle is the end of one half and the start of the other.
         half = (begin + end) / 2.0
         if len(rows):
             middle = cone.aim(motions.at(joints, segment, half))

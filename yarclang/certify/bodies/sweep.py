@@ -38,7 +38,7 @@ class Sweep:
         return begin, end
 
     def starts(self, row: int) -> float:
-        """Return the start of a command, after the start of the first one [s]."""
+        """Return the time from the start of the first command to the start of this one [s]."""
         return float(self.course.begins[self.spans[row, 0]])
 
     def lasts(self, row: int) -> float:

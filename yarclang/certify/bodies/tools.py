@@ -1,4 +1,6 @@
-"""Checks of the tool changes in a controller text: is the tool on the flange that the program says?"""
+"""Checks of the tool changes in a controller text: the tool on the flange must be the one that the program
+states.
+"""
 
 from __future__ import annotations
 
@@ -23,8 +25,8 @@ def changed(handling: Handling, grasp: Grasp, origin: hir.Origin) -> list[Diagno
         return list(_put_back(grasp, origin))
     step = handling.steps[grasp.step]
     if grasp.moved or (isinstance(step, hir.SetOutput) and step.tool is not None):
-        return []  # what TOOL says is checked by itself
-    message = "the tool changer locks, and no tool stands where the flange is"
+        return []  # `_other_than_said` checks TOOL lines
+    message = "the tool changer locks, but no tool is at the flange"
     if grasp.near is not None:
         message += f": {_away(grasp.near.item.name, grasp)}"
     return [_finding("Y0940", message, origin, _DOCK)]
@@ -48,11 +50,11 @@ def _put_back(grasp: Grasp, origin: hir.Origin) -> Iterator[Diagnostic]:
 def _away(name: str, grasp: Grasp) -> str:
     """Return in words the distance of the flange from a tool's place, and the allowed distance."""
     rack = next(one.part.rack for one in grasp.before.items if one.name == name)
-    assert rack is not None  # a tool by its name
+    assert rack is not None  # each tool of a changer has a rack
     distance, turn = apart(rack, grasp.base_from_flange)
     return (
-        f"the flange is {distance / MM:.4g} mm and {turn / DEG:.3g} deg from the place of {name}, at most "
-        f"{rack.reach / MM:.4g} mm and {MOST_TURN / DEG:.3g} deg are allowed"
+        f"the flange is {distance / MM:.4g} mm and {turn / DEG:.3g} deg from the place of {name}, and at "
+        f"most {rack.reach / MM:.4g} mm and {MOST_TURN / DEG:.3g} deg are allowed"
     )
 
 
@@ -82,26 +84,26 @@ def tool_findings(
 def _other_than_said(handling: Handling, found: Followed) -> Iterator[Diagnostic]:
     for number, on in found.tools.items():
         step = handling.steps[number]
-        assert isinstance(step, hir.SetOutput)  # only TOOL says so
+        assert isinstance(step, hir.SetOutput)  # only TOOL lines are in `tools`
         said, grasp = step.tool, found.grasps.get(number)
         if on == ((said,) if said else ()):
             continue
         if len(on) > 1 or not said:
-            message = f"after this, {' or '.join(on)} may be on the flange, and not {said or NOBODY}"
+            message = f"after this line {' or '.join(on)} may be on the flange instead of {said or NOBODY}"
             yield _finding("Y0951", message, step.origin, _AGREE)
         elif on:
             message = f"{said} isn't taken: {on[0]} is on the flange"
-            help_ = f"put {on[0]} back first: TOOL NONE where it has its place"
+            help_ = f"put {on[0]} back first: TOOL NONE at its place"
             yield _finding("Y0951", message, step.origin, help_)
         elif grasp is None:
-            message = f"{said} isn't taken: the changer is locked already, and holds no tool"
+            message = f"{said} isn't taken: the changer is already locked, without a tool"
             yield _finding("Y0951", message, step.origin, "unlock it first: TOOL NONE")
         elif _stands(grasp.before, said):
             message = f"{said} isn't taken: {_away(said, grasp)}"
             yield _finding("Y0951", message, step.origin, _DOCK)
         else:
-            message = f"{said} isn't taken: it doesn't stand in its place"
-            yield _finding("Y0951", message, step.origin, "put it back into its place before")
+            message = f"{said} isn't taken: it isn't at its place"
+            yield _finding("Y0951", message, step.origin, "put it back before this line")
 
 
 def dropped_at_stops(program: hir.Program) -> Iterator[Diagnostic]:
@@ -116,8 +118,10 @@ def dropped_at_stops(program: hir.Program) -> Iterator[Diagnostic]:
         value = output.safe if len(output.signal.bits) == 1 else float(int(output.safe) >> bit & 1)
         if value != lock.grip.value:
             name = output.signal.name
-            message = f"{name} ({lock.variable}) unlocks the tool changer at each stop, and drops the tool"
-            help_ = f"declare {name} without a value for stops, or without {lock.variable}"
+            message = (
+                f"{name} ({lock.variable}) unlocks the tool changer at each stop, so that the tool falls"
+            )
+            help_ = f"declare {name} without a safe value, or without {lock.variable}"
             yield Diagnostic("Y0952", message, program.source, help=help_)
 
 
@@ -133,8 +137,8 @@ def _contradicted(
         if number in again and on != ((again[number],) if again[number] else ()):
             assert isinstance(step, hir.Motion)  # only motions have a state before them
             message = (
-                f"{again[number] or NOBODY} is on the flange in this motion, and its bodies are those of "
-                f"{' and '.join(on) or NOBODY}"
+                f"{again[number] or NOBODY} is on the flange in this motion, but it was proved with the "
+                f"bodies of {' and '.join(on) or NOBODY}"
             )
             yield _finding("Y1194", message, step.origin, "")
             return
@@ -152,15 +156,15 @@ def _not_agreed(handling: Handling, found: Followed) -> Iterator[Diagnostic]:
         step, began = handling.steps[number], parted.began
         one, other = (name or NOBODY for name in parted.tools)
         where = f"{began.origin.name} in line {began.origin.span.line}"
-        message = f"ways meet here that part at {where}: {one} is on the flange on one, {other} on another"
-        assert not isinstance(step, hir.Gap)  # ways meet at steps of their own
+        message = f"the branches of {where} meet here with different tools on the flange: {one} and {other}"
+        assert not isinstance(step, hir.Gap)  # branches never meet at a gap
         yield _finding("Y0953", message, step.origin, _AGREE)
 
 
 def _frames(handling: Handling, before: Mapping[int, Parts], robot: Robot) -> Iterator[Diagnostic]:
     """Yield findings about moved or watched frames of tools that aren't on the flange."""
     cell = handling.cell
-    assert cell is not None  # it has tools
+    assert cell is not None  # without a cell, there are no tools to change
     owners: dict[str, set[str]] = {}
     for one in cell.parts:
         for name in one.rack.frames if one.rack is not None else ():
@@ -182,10 +186,10 @@ def _frames(handling: Handling, before: Mapping[int, Parts], robot: Robot) -> It
                 of = " or ".join(sorted(owners[name]))
                 does = "moves" if origin.moving is not None else "has zones watch"
                 message = (
-                    f"{origin.name} {does} {{{name}}}, a frame of {of}, and {' or '.join(on) or NOBODY} is "
+                    f"{origin.name} {does} {{{name}}}, a frame of {of}, but {' or '.join(on) or NOBODY} is "
                     "on the flange"
                 )
-                help_ = f"name a frame that is there, such as {{FLANGE}}, or take {of} before"
+                help_ = f"name a frame that is on the robot, such as {{FLANGE}}, or take {of} first"
                 yield _finding("Y0954", message, origin, help_)
                 break
 
@@ -194,5 +198,5 @@ def _finding(code: str, message: str, origin: hir.Origin, help_: str) -> Diagnos
     return Diagnostic(code, message, origin.source, origin.span, help_, place=origin.place)
 
 
-_DOCK = "lead {FLANGE} into the tool's place, or correct the place under [[tools]] in the cell.toml"
-_AGREE = "change tools so that all ways end with the same one, or on each way before it is used"
+_DOCK = "move {FLANGE} to the tool's place, or correct the place under [[tools]] in the cell.toml"
+_AGREE = "end all branches with the same tool, or change the tool on each branch before it is used"

@@ -25,11 +25,13 @@ from yarclang.units import UNITS
 from yarclang.written import stretch_fix
 
 REMAINDER = 0.003
-"""Share of an effort limit that the bound between sampled points may add; finer grids aim at it."""
+"""Largest amount that the bound between sampled points should add to a torque, as a fraction of the effort
+limit. The grid is refined until this holds, but into at most `PARTS` parts per segment.
+"""
 PARTS = 64
-"""Most parts into which a segment is cut."""
+"""Largest number of parts into which a segment is cut."""
 ROOM = 0.03
-"""Share by which a proposed duration is increased.
+"""Fraction by which a proposed duration is increased.
 
 A longer motion has another number of segments and other ramps, so its torques don't scale exactly.
 """
@@ -45,7 +47,7 @@ class _Samples:
         q: (S, n) joint positions [rad or m].
         torque: (S, n) torques [N m or N].
         bound: (S, n) amount by which |torque| may be larger up to the next instant [N m or N].
-        share: (S, n) torque with bound as a share of the effort limit.
+        share: (S, n) largest |torque| up to the next instant, as a fraction of the effort limit.
         first: (G,) first instant of each motion.
     """
 
@@ -79,19 +81,21 @@ def find_torques(layout: Layout, robot: Robot, handled: Handled) -> tuple[dict[i
 
 def _by_load(layout: Layout, robot: Robot, handled: Handled) -> list[tuple[Dynamics, list[Place]]]:
     """Return the distinct loads, each with all moving commands that carry it."""
-    found: dict[int, tuple[Dynamics, list[Place]]] = {}
+    loads: dict[int, tuple[Dynamics, list[Place]]] = {}
     for place in layout.places:
         if place.size:
             # Load cases are cached, so equal cases are the same object.
             for case in load_cases(robot, handled.at(place.step)):
-                found.setdefault(id(case), (case, []))[1].append(place)
-    return list(found.values())
+                loads.setdefault(id(case), (case, []))[1].append(place)
+    return list(loads.values())
 
 
 def _judge_load(
     layout: Layout, places: list[Place], robot: Robot, found: tuple[dict[int, Load], dict[int, Diagnostic]]
 ) -> None:
-    """Judge the torques of commands with one load. Of several loads of a command, the worst one counts."""
+    """Judge the torques of commands for one load case, to which all of them belong. A command may belong to
+    several load cases; the result with the largest torques is kept.
+    """
     dynamics, (loads, findings) = robot.dynamics, found
     assert dynamics is not None  # torques are only judged with dynamics
     cubics = layout.cubics_of(np.concatenate([np.arange(place.first, place.last) for place in places]))
@@ -119,7 +123,8 @@ def _sampled(cubics: Cubics, starts: NDArray[np.int64], robot: Robot, dynamics: 
     travel = np.maximum(np.abs(lower), np.abs(upper))
     peaks = cubics.velocity_peaks(), cubics.acceleration_peaks(), cubics.jerk_peaks()
     bends = torque_bends(robot.chain, dynamics, travel, peaks)
-    # A function exceeds the chord between two of its values by at most d^2 / 8 of its second derivative.
+    # Between two instants that are d seconds apart, a torque exceeds its chord by at most d^2 / 8 times its
+    # second derivative.
     whole = bends * (cubics.h[:, None] ** 2 / 8.0)
     coarse = _looked_at(cubics, starts, whole, np.ones(len(cubics.h), dtype=np.int64), robot)
     # A finer grid is useful only in segments whose bound exceeds the largest sampled torque of the motion.
@@ -152,6 +157,7 @@ def _looked_at(
     assert dynamics is not None  # torques are only judged with dynamics
     count = len(cubics.h)
     ends = np.append(starts[1:], count) - 1
+    # Take one instant at the start of each part; the end of a part is the start of the next.
     number = parts.copy()
     number[ends] += 1  # include the end of each motion
     row = np.repeat(np.arange(count), number)
@@ -161,6 +167,8 @@ def _looked_at(
     q, v = segments.at(time)
     a = segments.a + time[:, None] * segments.j
     torque = torques(robot.chain, dynamics, q, v, a)
+    # The bound on an interval of duration d is d^2 / 8 |torque''|. It is `whole` for an uncut segment, and
+    # smaller by parts^2 for each of its equal parts.
     bound = (whole / (parts**2)[:, None])[row]
     bound[offsets[ends + 1] - 1] = 0.0
     size = np.abs(torque)
@@ -173,7 +181,9 @@ def _looked_at(
 def _finding(
     layout: Layout, place: Place, samples: _Samples, chosen: slice, robot: Robot, dynamics: Dynamics
 ) -> Diagnostic:
-    """Return the finding Y1801, or Y1802 if the arm could not even hold still at that place."""
+    """Return the finding Y1801, or Y1802 if an effort limit is exceeded even by holding the arm still
+    somewhere on the motion's path.
+    """
     origin = place.motion.origin
     torque, bound, q = samples.torque[chosen], samples.bound[chosen], samples.q[chosen]
     holding = holding_torques(robot.chain, dynamics, q)
@@ -192,8 +202,8 @@ def _finding(
     still = abs(float(holding[at, joint]))
     message = (
         f"{_needs(robot, dynamics, joint, most)}, {_when(time[at], place.size * h)}, "
-        f"{pose_text(robot, origin, q[at])}; {_number(still)} {_unit(robot, joint)} of it would hold the "
-        "arm where it is"
+        f"{pose_text(robot, origin, q[at])}; {_number(still)} {_unit(robot, joint)} of it hold the arm "
+        "against gravity"
     )
     help_, fix = _slower(place, place.size * h, _stretched(torque, holding, bound, dynamics))
     return Diagnostic("Y1801", message, origin.source, origin.span, help_, fix, place=origin.place)
@@ -222,15 +232,15 @@ def _unit(robot: Robot, joint: int) -> str:
 def _stretched(torque: Array, holding: Array, bound: Array, dynamics: Dynamics) -> float:
     """Return the factor by which a motion must last longer to respect all effort limits.
 
-    It is infinite if no factor is enough.
-
-    On the same path with s times the duration, all torques except gravity's are s^2 times smaller.
+    The factor is infinite if even a very slow motion exceeds a limit. If the same path takes s times as long,
+    all torques except those of gravity are divided by s^2.
     """
     # Solve |moving| / s^2 + gravity + bound <= effort for s, at the worst instant.
     moving = torque - holding
-    against = np.where(moving >= 0.0, holding, -holding)  # gravity in the direction of the other torques
+    against = np.where(moving >= 0.0, holding, -holding)  # positive if gravity adds to the other torques
     with np.errstate(divide="ignore", invalid="ignore"):
-        # The bound is left as it is: it shrinks as well, but by less where gravity changes.
+        # `bound` isn't divided by s^2: it also covers changes of the gravity torque along the path, which
+        # shrink less in a slower motion.
         least = np.where(moving != 0.0, (dynamics.effort - bound - against) / np.abs(moving), np.inf)
     share = float(least.min())
     return math.sqrt(max(1.0, 1.0 / share)) * (1.0 + ROOM) if share > 0.0 else math.inf
@@ -245,9 +255,9 @@ def _slower(place: Place, duration: float, longer: float) -> tuple[str, Fix | No
         longer: factor by which the duration must grow.
     """
     if not math.isfinite(longer):
-        return f"no time works: {_TOO_HEAVY}", None
+        return f"no duration works: {_TOO_HEAVY}", None
     if place.before is not None or place.behind is not None:
-        return f"all that flows together has to take about {longer:.2f} times as long; or carry less", None
+        return f"give the whole chain of motions about {longer:.2f} times as long, or carry less", None
     origin = place.motion.origin
     if isinstance(motion := place.motion, TimedMove):
         stretch = math.ceil(longer * motion.stretch * 1e3) / 1e3
@@ -259,6 +269,6 @@ def _slower(place: Place, duration: float, longer: float) -> tuple[str, Fix | No
 
 
 _TOO_HEAVY = (
-    "carry less, or stay nearer to the joint's axis; if the effort or a mass isn't right, correct it in "
-    "the URDF, or effort in robot.toml"
+    "carry less, or keep the load nearer to the joint's axis; if a mass or an effort is wrong, correct it "
+    "in the URDF (an effort also in robot.toml)"
 )

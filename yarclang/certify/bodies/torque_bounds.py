@@ -16,10 +16,10 @@ from yarclang.frozen import frozen
 from yarclang.robot.model import Array, Chain, Dynamics
 
 LEAST_LENGTH = 0.1
-"""Least length of a vector between axes or to a body's centre of mass, in chains with sliding joints [m].
+"""Least length of a vector between axes or to a body's centre of mass, in chains with prismatic joints [m].
 
-Relative to such a vector, a slide counts as a turn by its distance over the vector's length. A larger length
-still gives a valid bound.
+The bounds treat the travel of a prismatic joint as a rotation, by the travel divided by the length of the
+vector. A shorter vector is treated as if it had this length: the bounds hold for the shorter vector too.
 """
 
 Derivatives = tuple[Array, ...]
@@ -32,7 +32,8 @@ def torque_bends(chain: Chain, dynamics: Dynamics, travel: Array, peaks: tuple[A
     Args:
         chain: the arm.
         dynamics: the arm's masses and inertias.
-        travel: (N, n) largest |q| of each sliding joint on the pieces [m]; not used for other joints.
+        travel: (N, n) largest distance of each prismatic joint from zero on the pieces [m]; not used for
+            other joints.
         peaks: largest |velocity|, |acceleration| and |jerk| of each joint on the pieces, (N, n) each.
     """
     prismatic = chain.is_prismatic
@@ -41,7 +42,7 @@ def torque_bends(chain: Chain, dynamics: Dynamics, travel: Array, peaks: tuple[A
         for kind in (False, True)
     )
     pull = float(np.linalg.norm(dynamics.gravity))
-    found = np.zeros_like(peaks[0])
+    bends = np.zeros_like(peaks[0])
     size = len(peaks[0])
     nothing = np.zeros(size)
     for body in range(chain.size):
@@ -51,16 +52,19 @@ def torque_bends(chain: Chain, dynamics: Dynamics, travel: Array, peaks: tuple[A
         lengths = _lengths(chain, dynamics.center[body], body, travel)
         rates = _Rates(*(one[body] for one in (*turning, *sliding)))
         reach = lengths[0]
-        # Force, and its derivatives: mass times the second to fourth derivative of the centre of mass, which
-        # Bell polynomials bound; gravity, which is constant, adds to the force only.
+        # The force and its first two derivatives are the mass times the second, third and fourth derivatives
+        # of the centre of mass, which Bell polynomials bound. Gravity is constant, so it adds only to the
+        # force itself.
         _, _, second, third, fourth = rates.grown(reach)
         force: Derivatives = (mass * (reach * second + pull), mass * reach * third, mass * reach * fourth)
+        # The largest principal moment of inertia is the spectral norm of the inertia tensor.
         stiff = float(np.linalg.eigvalsh(dynamics.inertia[body])[-1])
         twist = _momentum_rates(stiff, rates)
         for joint in range(body + 1):
             # The axis of a joint is turned only by the joints before it.
             before = _Rates(*(one[joint - 1] if joint else nothing for one in turning), *([nothing] * 3))
-            # Leibniz' rule for z . F of a sliding joint, and for z . (r x F) + z . N of a turning joint.
+            # Apply Leibniz' rule to z . F for a prismatic joint, and to z . (r x F) + z . N for a revolute
+            # one (notation as at the head of this module).
             axis = before.grown(1.0)[:3]
             if prismatic[joint]:
                 bend = _product(axis, force)
@@ -69,8 +73,8 @@ def torque_bends(chain: Chain, dynamics: Dynamics, travel: Array, peaks: tuple[A
                 # The lever arm r moves with all joints up to the body.
                 arm: Derivatives = tuple(length * one for one in rates.grown(length)[:3])
                 bend = _triple(axis, arm, force) + _product(axis, twist)
-            found[:, joint] += bend
-    return found
+            bends[:, joint] += bend
+    return bends
 
 
 @frozen(eq=False)
@@ -78,12 +82,12 @@ class _Rates:
     """Sums of the largest rates over some joints on N pieces of time, (N,) each.
 
     Attributes:
-        w: sum of |velocity| of the turning joints [rad/s].
-        a: sum of |acceleration| of the turning joints [rad/s^2].
-        j: sum of |jerk| of the turning joints [rad/s^3].
-        v_slide: sum of |velocity| of the sliding joints [m/s].
-        a_slide: sum of |acceleration| of the sliding joints [m/s^2].
-        j_slide: sum of |jerk| of the sliding joints [m/s^3].
+        w: sum of |velocity| of the revolute joints [rad/s].
+        a: sum of |acceleration| of the revolute joints [rad/s^2].
+        j: sum of |jerk| of the revolute joints [rad/s^3].
+        v_slide: sum of |velocity| of the prismatic joints [m/s].
+        a_slide: sum of |acceleration| of the prismatic joints [m/s^2].
+        j_slide: sum of |jerk| of the prismatic joints [m/s^3].
     """
 
     w: Array
@@ -98,8 +102,8 @@ class _Rates:
 
         They are the Bell polynomials of the rates.
         """
-        # Relative to the vector's length, a slide acts like a turn by its distance over this length.
-        scale = 1.0 / np.maximum(length, 1e-9)  # lengths of slides are at least LEAST_LENGTH
+        # The travel of a prismatic joint counts as a rotation by the travel divided by the vector's length.
+        scale = 1.0 / np.maximum(length, 1e-9)  # with prismatic joints, lengths are at least LEAST_LENGTH
         w, a, j = (
             turn + scale * slide
             for turn, slide in ((self.w, self.v_slide), (self.a, self.a_slide), (self.j, self.j_slide))
@@ -126,7 +130,8 @@ def _momentum_rates(stiff: float, rates: _Rates) -> Derivatives:
         rates: sums of the rates of the joints before the body.
     """
     w, a, j = rates.w, rates.a, rates.j
-    # The inertia tensor R I R' is turned from both sides, so its rates count twice.
+    # With the body's rotation R, the inertia tensor is R I R'. It is turned from both sides, so its rates
+    # count twice.
     tensor = [stiff * one for one in _bell(2.0 * w, 2.0 * a, 2.0 * j)[:4]]
     _, first, second, third, _ = _bell(w, a, j)
     # The angular velocity is the sum of the axes times the joint velocities.
@@ -137,7 +142,7 @@ def _momentum_rates(stiff: float, rates: _Rates) -> Derivatives:
         3.0 * first * j + 3.0 * second * a + third * w,
     ]
     return (
-        # Leibniz' rule for the derivatives of the product of inertia tensor and angular velocity.
+        # Apply Leibniz' rule to the product of inertia tensor and angular velocity.
         tensor[1] * spin[0] + tensor[0] * spin[1],
         tensor[2] * spin[0] + 2.0 * tensor[1] * spin[1] + tensor[0] * spin[2],
         tensor[3] * spin[0] + 3.0 * tensor[2] * spin[1] + 3.0 * tensor[1] * spin[2] + tensor[0] * spin[3],
@@ -161,9 +166,9 @@ def _triple(one: Derivatives, two: Derivatives, three: Derivatives) -> Array:
 
 
 def _lengths(chain: Chain, center: Array, body: int, travel: Array) -> list[Array]:
-    """Bound the distance of a body's centre of mass from each turning axis before it, on N pieces of time.
+    """Bound the distance of a body's centre of mass from each revolute axis before it, on N pieces of time.
 
-    The method is that of `reaches` in bounds.py. A sliding joint has the bound of the joint after it, plus
+    The method is that of `reaches` in bounds.py. A prismatic joint has the bound of the joint after it, plus
     its own travel.
 
     Returns:
@@ -171,15 +176,17 @@ def _lengths(chain: Chain, center: Array, body: int, travel: Array) -> list[Arra
     """
     point, length = center, np.zeros(len(travel))
     least = LEAST_LENGTH if chain.is_prismatic[: body + 1].any() else 0.0
-    found: list[Array] = []
+    bounds: list[Array] = []
     for joint in reversed(range(body + 1)):
         linear, angular = chain.screws[joint, :3], chain.screws[joint, 3:]
         if angular.any():
+            # Find the foot of the perpendicular from the last point to this axis. The distances between
+            # successive feet add up (triangle inequality), however the joints in between turn.
             on_axis = np.cross(angular, linear)
             nearest = on_axis + angular * float(angular @ (point - on_axis))
             length = length + float(np.linalg.norm(point - nearest))
             point = nearest
         else:
             length = length + travel[:, joint]
-        found.insert(0, np.maximum(length, least))
-    return found
+        bounds.insert(0, np.maximum(length, least))
+    return bounds

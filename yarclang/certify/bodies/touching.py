@@ -32,41 +32,43 @@ def find_touching(
         For each command's index, the names of its pairs in the form of `allowed_name`; and a warning about
         each pair of two bodies of the robot.
     """
-    found: dict[int, set[tuple[str, str]]] = {}
+    touching: dict[int, set[tuple[str, str]]] = {}
     warnings: list[Diagnostic] = []
     for scene in dict.fromkeys(scenes):
         if scene.allowed is None or not len(scene.allowed.first):
             continue
         rows = [row for row, own in enumerate(scenes) if own is scene]
         alone = replace(scene, pairs=scene.allowed)
-        told: set[tuple[int, tuple[str, str]]] = set()
-        for one in clearances(alone, sweep.course, sweep.spans[rows]).meetings:
+        reported: set[tuple[int, tuple[str, str]]] = set()
+        for meeting in clearances(alone, sweep.course, sweep.spans[rows]).meetings:
             row, pair = (
-                rows[one.motion],
-                (int(alone.pairs.first[one.pair]), int(alone.pairs.second[one.pair])),
+                rows[meeting.motion],
+                (int(alone.pairs.first[meeting.pair]), int(alone.pairs.second[meeting.pair])),
             )
             names = allowed_name(scene.bodies, pair)
-            found.setdefault(row, set()).add(names)
-            if all(scene.bodies[body].of_robot for body in pair) and (row, names) not in told:
-                told.add((row, names))
-                warnings.append(_of_itself(alone, sweep, row, one))
-    return {row: frozenset(pairs) for row, pairs in found.items()}, warnings
+            touching.setdefault(row, set()).add(names)
+            if all(scene.bodies[body].of_robot for body in pair) and (row, names) not in reported:
+                reported.add((row, names))
+                warnings.append(_of_itself(alone, sweep, row, meeting))
+    return {row: frozenset(pairs) for row, pairs in touching.items()}, warnings
 
 
 def _of_itself(scene: Scene, sweep: Sweep, row: int, meeting: Meeting) -> Diagnostic:
-    """Return the warning about two bodies of the robot that collide, and that an allowance lets collide."""
+    """Return the warning about two bodies of the robot that touch or overlap, which the program or cell
+    allows.
+    """
     moving, other = scene.names(meeting.pair)
     origin = sweep.places[row].motion.origin
     found = contact(scene, sweep.course, sweep.span(row), meeting)
-    how = f"goes {-found.distance / MM:.3g} mm into" if found.distance < 0.0 else "touches"
+    how = f"is {-found.distance / MM:.3g} mm deep in" if found.distance < 0.0 else "touches"
     when = span_text(found.begin, found.end, sweep.lasts(row))
-    message = f"{moving} {how} {other}, {when}: the robot hits itself, and it is allowed here"
+    message = f"{moving} {how} {other}, {when}: the robot hits itself, but this contact is allowed here"
     return Diagnostic("Y0935", message, origin.source, origin.span, _ITSELF, place=origin.place)
 
 
 _ITSELF = (
-    "take the allowance away and go another way; if the shapes are only drawn too large, make them "
-    "smaller, or write the pair under [collision] allowed in robot.toml"
+    "remove the allowance and choose another path; if only the shapes are too large, make them smaller, "
+    "or write the pair under [collision] allowed in robot.toml"
 )
 
 

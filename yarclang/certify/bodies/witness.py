@@ -1,8 +1,8 @@
 """A second check of zones, except slow ones, with the judge's own placements and distances.
 
-It examines only the ends of segments. Therefore it proves nothing itself, but it can refute the proof of
-`yarclang.collision.zones.proof`, which the planner uses too. What it reports beyond a border is certain: it
-examines points of the watched bodies, and balls around these points.
+The check examines only the ends of segments. Therefore it proves nothing itself, but it can refute the proof
+of `yarclang.collision.zones.proof`, which the planner uses too. A violation that the check reports is
+certain, since the points that it examines, and the balls around them, belong to the watched bodies.
 """
 
 from __future__ import annotations
@@ -19,13 +19,14 @@ from yarclang.robot.model import Array
 from yarclang.shapes import Box, Capsule, Sphere
 
 SURE = 2e-5
-"""Distance beyond a border up to which only the proof decides [m]."""
+"""A sample that is no farther than this beyond a zone's border refutes nothing: only the proof decides [m].
+"""
 SURE_OF_JOINTS = 2e-6
-"""Distance beyond the end of a joint's window up to which only the proof decides [rad or m]."""
+"""A sample that is no farther than this beyond the end of a joint's window refutes nothing [rad or m]."""
 _TURNS = 8
-"""Points on the rim of a round face."""
+"""Number of points on the rim of a round face."""
 _MOST = 1 << 22
-"""Coordinates that are computed in one step."""
+"""Number of coordinates that are computed in one step."""
 
 
 @frozen
@@ -61,21 +62,22 @@ def seen_beyond(motions: Motions, watch: Watch) -> list[Seen | None]:
                 for arms, at in zip(motions.ends(watch.item.joint), q, strict=True)
             ]
         )
-    found: list[Seen | None] = []
+    worst: list[Seen | None] = []
     for begin, end in motions.spans.tolist():
         part = beyond[:, begin:end]
         if not part.size or not (part > 0.0).any():
-            found.append(None)
+            worst.append(None)
             continue
         side, segment = np.unravel_index(int(np.argmax(part)), part.shape)
-        found.append(Seen(float(part[side, segment]), begin + int(segment), bool(side)))
-    return found
+        worst.append(Seen(float(part[side, segment]), begin + int(segment), bool(side)))
+    return worst
 
 
 def _joints_beyond(watch: Watch, q: Array) -> Array:
-    """Return by how much joints `q` (N, n) certainly violate a window of joint positions (N,) [rad or m].
+    """Return the amount (N,) [rad or m] by which joints `q` (N, n) violate a window of joint positions, less
+    `SURE_OF_JOINTS`.
 
-    A distance is not positive if the window is respected.
+    If the result is not positive, no violation is certain.
     """
     region = watch.zone.region
     assert isinstance(region, JointWindow)
@@ -84,39 +86,47 @@ def _joints_beyond(watch: Watch, q: Array) -> Array:
 
 
 def _beyond(watch: Watch, item: Item, arms: Joints, q: Array) -> Array:
-    """Return by how far a body is certainly beyond a zone's border (N,) [m]; not positive if it isn't.
+    """Return the distance (N,) [m] by which a body is surely beyond a zone's border; not positive if this
+    isn't sure.
 
-    In a zone with a posture, they are distances of the joints from the posture's window [rad or m].
+    For a zone with a posture, return instead the amount by which the joints of a body inside the zone are out
+    of the posture's window [rad or m]; minus infinity for a body outside of the zone.
     """
     zone, region = watch.zone, watch.zone.region
     assert not isinstance(region, Unplaced)
     points = _points(item)
     count = len(q)
-    found = np.full(count, -np.inf)
+    farthest = np.full(count, -np.inf)
     step = max(1, _MOST // (3 * len(points)))
     for begin in range(0, count, step):
         rows = np.arange(begin, min(begin + step, count))
         part = arms.take(rows)
         for own in points:
-            # Points of the body with a ball around each are certain; other points are not examined.
+            # Each of these points, with the ball around it, certainly belongs to the body. Other points
+            # aren't examined.
             away = distances(region, part.point(own))
             if zone.rule == "allowed":
                 beyond = away + item.radius + zone.margin
             else:
                 beyond = zone.margin + item.radius - away
-            found[rows] = np.maximum(found[rows], beyond)
-    found -= SURE
+            farthest[rows] = np.maximum(farthest[rows], beyond)
+    farthest -= SURE
     if zone.posture is not None:
-        # Inside the zone, the joints must be in the window.
+        # The body may break the posture only outside of the zone: inside it, the joints must be in the
+        # posture's window.
         out = np.maximum(zone.posture.lower - q, q - zone.posture.upper).max(axis=1) - SURE_OF_JOINTS
-        return np.where(found > 0.0, out, -np.inf)
-    return found
+        return np.where(farthest > 0.0, out, -np.inf)
+    return farthest
 
 
 def _points(item: Item) -> Array:
-    """Return points (K, 3) of a body in {B} with all joints at zero; points on the rims of round faces."""
+    """Return points (K, 3) of a body in {B} with all joints at zero: its corners or, if it has round faces,
+    points on their rims.
+    """
     if not item.disc:
         return item.points
+    # Compute two unit vectors across the axis; the first is made from the unit vector that is least aligned
+    # with the axis.
     across = np.cross(item.axis, np.eye(3)[int(np.argmin(np.abs(item.axis)))])
     across /= np.linalg.norm(across)
     other = np.cross(item.axis, across)
@@ -134,12 +144,16 @@ def distances(region: Region, points: Array) -> Array:
         return np.asarray(region.offset - region.normal @ points)
     placed, shape = region.base_from_shape, region.shape
     x, y, z = placed[:3, :3].T @ (points - placed[:3, 3:4])
+    # A ball or a capsule is all points within `radius` of its centre or centre line.
     if isinstance(shape, Sphere):
         return np.asarray(np.sqrt(x * x + y * y + z * z) - shape.radius)
     if isinstance(shape, Capsule):
         over = np.abs(z) - shape.length / 2.0
         over = np.where(over > 0.0, over, 0.0)
         return np.asarray(np.sqrt(x * x + y * y + over * over) - shape.radius)
+    # A box is an intersection of slabs, a cylinder that of a slab and an infinite cylinder. Outside, the
+    # positive gaps are the legs of a right triangle, and the distance is its hypotenuse. Inside, the border
+    # with the largest (least negative) gap is nearest.
     if isinstance(shape, Box):
         gaps = np.abs(np.stack((x, y, z))) - shape.size[:, None] / 2.0
     else:

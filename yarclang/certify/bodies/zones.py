@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from yarclang.certify.bodies.sights import seen_at, sighted
 from yarclang.certify.bodies.sweep import Sweep, moving_chunks, sweep_of
 from yarclang.certify.bodies.tilts import tilted
 from yarclang.certify.bodies.witness import seen_beyond
-from yarclang.certify.certificate import Clearance, KeptRule, ZoneSpeed
+from yarclang.certify.certificate import Blended, Clearance, KeptRule, ZoneSpeed
 from yarclang.certify.moments import pose_text, span_text
 from yarclang.certify.motion.frames import moving_frame
 from yarclang.certify.motion.speed import KEPT
@@ -43,9 +43,9 @@ class InZones:
     Attributes:
         clearance: distance of the watched bodies from borders that they must not cross; None without such
             zones.
-        speed: speed in that slow zone in which the command comes nearest to the speed limit; None if it
-            enters none.
-        kept: the rules of KEEP to which the command keeps, with the proved bounds.
+        speed: speed in the slow zone in which the command comes nearest to the zone's speed limit; None if it
+            enters no slow zone.
+        kept: the rules of KEEP that the command respects, with the proved bounds.
     """
 
     clearance: Clearance | None
@@ -56,49 +56,54 @@ class InZones:
 NO_ZONES = InZones(None, None)
 
 
-def find_zones(layout: Layout, robot: Robot, handled: Handled) -> tuple[dict[int, InZones], list[Diagnostic]]:
-    """Prove the zones, and the speed limits that motions have of their own (`[V<=250]`).
+def find_zones(
+    layout: Layout, robot: Robot, handled: Handled, blends: Mapping[int, Blended]
+) -> tuple[dict[int, InZones], list[Diagnostic]]:
+    """Prove that zones are respected, and that motions respect their own speed limits (`[V<=250]`).
 
     Args:
         layout: the segments of the controller text.
         robot: the robot, with its bodies and kinematics.
         handled: the cell's state during each command, with its zones.
+        blends: the proved blends, by the step of the motion before the blend.
 
     Returns:
         The proved bounds of every command by its step, and findings about broken zones and speed limits.
     """
-    told: dict[int, InZones] = {}
+    bounds: dict[int, InZones] = {}
     findings: list[Diagnostic] = []
     moving_places = [place for place in layout.places if place.size]
     if any(place.motion.timing.ceiling is not None for place in moving_places):
         moved = {place.step: moving_of(place.motion, robot) for place in moving_places}
-        ceilings, too_fast = find_ceilings(layout, robot, moved)
-        told = {step: InZones(None, speed) for step, speed in ceilings.items()}
+        ceilings, too_fast = find_ceilings(layout, robot, moved, blends)
+        bounds = {step: InZones(None, speed) for step, speed in ceilings.items()}
         findings += grouped(too_fast)
     cells = (handled.at(place.step) for place in moving_places)
     if not any(one is not None and one.zones for one in cells):
-        return told, findings
+        return bounds, findings
     in_zones: dict[int, InZones] = {}
     for cell, places in moving_chunks(layout, handled):
-        made = scene_of(robot, cell)
+        result = scene_of(robot, cell)
         if cell is None:
-            continue  # without a cell, only the motions of a KEEP have zones
-        if made.value is None:
-            return told, findings  # unreadable bodies are reported with the collisions
+            continue  # motions without a cell have no zones
+        if result.value is None:
+            return bounds, findings  # the collision check reports unreadable bodies
         for moving, run in _runs(places, robot):
-            judge = _Judge(made.value, robot, sweep_of(layout, run), watches_of(robot, cell, moving))
+            judge = _Judge(result.value, robot, sweep_of(layout, run), watches_of(robot, cell, moving))
             in_zones |= judge.judged()
             findings += judge.findings
     for step, zones in in_zones.items():
-        own, speed = told.get(step, NO_ZONES).speed, zones.speed
+        own, speed = bounds.get(step, NO_ZONES).speed, zones.speed
         if own is not None and (speed is None or own.share > speed.share):
             speed = own
-        told[step] = InZones(zones.clearance, speed, zones.kept)
-    return told, list(grouped(findings))
+        bounds[step] = InZones(zones.clearance, speed, zones.kept)
+    return bounds, list(grouped(findings))
 
 
 def _runs(places: list[Place], robot: Robot) -> Iterator[tuple[Moving, list[Place]]]:
-    """Yield runs of consecutive commands that move the same frame, which is the tool that zones watch."""
+    """Yield runs of consecutive commands that move the same frame, each run with this frame. Zones that watch
+    the tool watch this frame.
+    """
     run: list[Place] = []
     before: Moving | None = None
     for place in places:
@@ -118,7 +123,9 @@ def _runs(places: list[Place], robot: Robot) -> Iterator[tuple[Moving, list[Plac
 
 
 def moving_of(motion: hir.Motion, robot: Robot) -> Moving:
-    """Return the frame that a motion moves, or its tool; {TCP} if the motion names none."""
+    """Return the moving frame of a Cartesian goal, or the tool frame that a joint motion names; {TCP} if it
+    names none.
+    """
     link = motion.origin.tool
     if link is None:
         return tool_frame(robot)
@@ -151,21 +158,21 @@ class _Judge:
 
     def _kept(self) -> list[tuple[KeptRule, ...]]:
         """Return the rules of KEEP with their proved bounds for each command, and report broken rules."""
-        told: list[list[KeptRule]] = [[] for _ in self.places]
+        rules: list[list[KeptRule]] = [[] for _ in self.places]
         for zone in dict.fromkeys(one.zone for one in self.watches if one.zone.keep is not None):
             rule = zone.keep
             assert rule is not None
             region = rule.region
             if isinstance(region, Sight):
-                self._keep_in_sight(rule, region, told)
+                self._keep_in_sight(rule, region, rules)
                 continue
             found = tilted(self.motions, region) if isinstance(region, Tilt) else None
             for row in range(len(self.places)):
                 most_ = None if found is None else float(found.most[row])
-                told[row].append(KeptRule(rule.words, rule.limit, most_))
+                rules[row].append(KeptRule(rule.words, rule.limit, most_))
                 if isinstance(region, Tilt) and found is not None and found.exceeds[row]:
                     self._too_tilted(row, rule, region, float(found.when[row]))
-        return [tuple(one) for one in told]
+        return [tuple(one) for one in rules]
 
     def _keep_in_sight(self, rule: Keep, sight: Sight, told: list[list[KeptRule]]) -> None:
         """Add the proved bounds of a rule about a cone to `told`, and report commands that break the rule."""
@@ -177,7 +184,7 @@ class _Judge:
                 self._out_of_sight(row, rule, sight, float(found.when[row]))
 
     def _out_of_sight(self, row: int, rule: Keep, sight: Sight, when: float) -> None:
-        """Report a command during which a point leaves a cone: in which interval, and where it is worst."""
+        """Report a command during which a point leaves a cone, with the interval and the worst instant."""
         place, watch = self.places[row], next(one for one in self.watches if one.zone.keep is rule)
         stay = beyond(self.scene, self.course, self.sweep.span(row), watch, when)
         q = self._at(self.sweep.starts(row) + stay.worst)
@@ -208,7 +215,7 @@ class _Judge:
         )
 
     def _too_tilted(self, row: int, rule: Keep, tilt: Tilt, when: float) -> None:
-        """Report a command on which an axis exceeds its angle: for how long, and where most."""
+        """Report a command during which an axis tilts too far, with the interval and the worst instant."""
         place, watch = self.places[row], next(one for one in self.watches if one.zone.keep is rule)
         stay = beyond(self.scene, self.course, self.sweep.span(row), watch, when)
         q = self._at(self.sweep.starts(row) + stay.worst)
@@ -231,11 +238,11 @@ class _Judge:
     def _borders(self) -> list[Clearance | None]:
         if not any(one.zone.rule != "slow" for one in self.watches):
             return [None] * len(self.places)
-        # Directions have a proof of the judge's own.
+        # Rules about directions (`Pointed`) are proved in `_kept`.
         watches = [one for one in self.watches if not isinstance(one.zone.region, Pointed)]
-        found = kept(self.scene, self.course, self.spans, watches)
+        proved = kept(self.scene, self.course, self.spans, watches)
         broken: dict[tuple[int, str], list[tuple[Watch, Beyond]]] = {}
-        for one in found.breaches:
+        for one in proved.breaches:
             watch, span = watches[one.watch], self.sweep.span(one.motion)
             stay = beyond(self.scene, self.course, span, watch, one.time)
             broken.setdefault((one.motion, watch.zone.name), []).append((watch, stay))
@@ -244,13 +251,13 @@ class _Judge:
         self._look_again(watches, broken)
         clearances: list[Clearance | None] = []
         for row in range(len(self.places)):
-            near, least = int(found.nearest[row]), float(found.least[row])
+            near, least = int(proved.nearest[row]), float(proved.least[row])
             if not np.isfinite(least):
                 clearances.append(None)  # only joints are watched
             elif near < 0 or least >= KNOWN:
                 clearances.append(Clearance(KNOWN))
             else:
-                watch, at = watches[near], float(found.when[row]) - self.sweep.starts(row)
+                watch, at = watches[near], float(proved.when[row]) - self.sweep.starts(row)
                 clearances.append(Clearance(least, _called(watch), watch.zone.name, at))
         return clearances
 
@@ -271,8 +278,8 @@ class _Judge:
                 message = (
                     f"{_called(watch)} is beyond a border of the zone {watch.zone.name}, "
                     f"{time - self.sweep.starts(row):.3f} s after its start, "
-                    f"{pose_text(self.robot, self.places[row].motion.origin, self._at(time))}, and the "
-                    "proof doesn't say so"
+                    f"{pose_text(self.robot, self.places[row].motion.origin, self._at(time))}, which the "
+                    "proof missed"
                 )
                 self._find(
                     "Y1181",
@@ -289,22 +296,22 @@ class _Judge:
                 continue
             assert watch.item is not None  # only joint windows have no body, and they are never slow zones
             assert not isinstance(watch.zone.region, Pointed)
-            found = fastest_in(self.motions, watch.zone.region, watch.zone.margin, watch.item)
-            for row in np.flatnonzero(found.segment >= 0).tolist():
-                speed = ZoneSpeed(float(found.speed[row]), limit, _called(watch), watch.zone.name)
+            fastest = fastest_in(self.motions, watch.zone.region, watch.zone.margin, watch.item)
+            for row in np.flatnonzero(fastest.segment >= 0).tolist():
+                speed = ZoneSpeed(float(fastest.speed[row]), limit, _called(watch), watch.zone.name)
                 had = worst[row]
                 if had is None or speed.share > had.share:
                     worst[row] = speed
                 if not speed.share <= 1.0 + KEPT:
-                    self._too_fast(row, speed, float(found.time[row]))
+                    self._too_fast(row, speed, float(fastest.time[row]))
         return worst
 
     def _too_fast(self, row: int, speed: ZoneSpeed, time: float) -> None:
         place = self.places[row]
         after = time - self.sweep.starts(row)
         message = (
-            f"{speed.part} goes at {up_to(most(speed.largest, MM), 5)} mm/s in the zone {speed.zone}, where "
-            f"{speed.limit / MM:.4g} mm/s are allowed, {after:.3f} s after its start, "
+            f"{speed.part} moves at {up_to(most(speed.largest, MM), 5)} mm/s in the zone {speed.zone}, "
+            f"where {speed.limit / MM:.4g} mm/s are allowed, {after:.3f} s after its start, "
             f"{pose_text(self.robot, place.motion.origin, self._at(time))}"
         )
         self._find(
@@ -315,15 +322,17 @@ class _Judge:
         )
 
     def _break(self, row: int, stays: list[tuple[Watch, Beyond]]) -> None:
-        """Report a zone that a command breaks: the worst place, and the names of the other bodies."""
+        """Report a zone that a command violates, with the body that is farthest beyond the zone's border, the
+        worst instant, and the names of all other bodies beyond the border.
+        """
         place = self.places[row]
-        watch, found = min(stays, key=lambda one: one[1].slack)
-        q = self._at(self.sweep.starts(row) + found.worst)
-        code, how = self._how(watch, found, q)
+        watch, worst = min(stays, key=lambda one: one[1].slack)
+        q = self._at(self.sweep.starts(row) + worst.worst)
+        code, how = self._how(watch, worst, q)
         others = dict.fromkeys(_called(one) for one, _ in stays if _called(one) != _called(watch))
-        more = f"; as well: {', '.join(others)}" if others else ""
+        more = f"; also: {', '.join(others)}" if others else ""
         message = (
-            f"{how}, {span_text(found.begin, found.end, self.sweep.lasts(row))}; worst at {found.worst:.3f} "
+            f"{how}, {span_text(worst.begin, worst.end, self.sweep.lasts(row))}; worst at {worst.worst:.3f} "
             f"s, {pose_text(self.robot, place.motion.origin, q)}{more}"
         )
         when = (min(one.begin for _, one in stays), max(one.end for _, one in stays))
@@ -353,18 +362,18 @@ class _Judge:
         if zone.posture is not None:
             return "Y0910", f"{self._joint(zone.posture, q)} of the zone {zone.name} while {part} is in it"
         if zone.keep is not None:
-            below = f"{_mm(max(-found.slack, 1e-5))} less than the {zone.keep.limit / MM:.6g} mm of KEEP"
-            return "Y0956", f"{part} is above {{{zone.keep.of}}} by {below}"
+            below = f"{_mm(max(-found.slack, 1e-5))} too low: KEEP requires {zone.keep.limit / MM:.6g} mm"
+            return "Y0956", f"{part} is {below} above {{{zone.keep.of}}}"
         code = "Y0907" if zone.rule == "allowed" else "Y0908"
         apart = found.slack + zone.margin
         if apart > 0.0:
-            kept_off = f"from whose border it stays {zone.margin / MM:.4g} mm away"
+            kept_off = f"whose margin is {zone.margin / MM:.4g} mm"
             return (
                 code,
                 f"{part} comes within {_mm(apart)} of the border of the zone {zone.name}, {kept_off}",
             )
-        way = "out of" if zone.rule == "allowed" else "into"
-        return code, f"{part} goes {_mm(max(-apart, 1e-5))} {way} the zone {zone.name}"
+        way = "outside of" if zone.rule == "allowed" else "inside of"
+        return code, f"{part} is {_mm(max(-apart, 1e-5))} {way} the zone {zone.name}"
 
     def _joint(self, window: JointWindow, q: Array) -> str:
         """Return in words the joint that is farthest out of a window, and its distance."""
@@ -404,31 +413,31 @@ def _remedy(code: str, rule: Keep | None) -> str:
 
 _REMEDIES = {
     "Y0955": (
-        "keep the tool upright: a pose in between, MOVEL, or MOVEJ_AVOID; or allow a larger angle in the KEEP"
+        "keep the tool upright with a pose in between, MOVEL or MOVEJ_AVOID; or allow a larger angle in "
+        "the KEEP"
     ),
     "Y0957": (
-        "turn the tool along the way: a pose in between, MOVEL, or MOVEJ_AVOID; or allow a larger angle in "
-        "the KEEP"
+        "turn the tool along the path with a pose in between, MOVEL or MOVEJ_AVOID; or allow a larger "
+        "angle in the KEEP"
     ),
     "Y0958": (
-        "keep the distance: a pose in between, another order, or MOVEJ_AVOID; or allow another range in "
-        "the KEEP"
+        "keep the distance with a pose in between, another order or MOVEJ_AVOID; or allow another range "
+        "in the KEEP"
     ),
     "Y0956": (
-        "stay above: a pose in between, another order, or MOVEJ_AVOID; or allow a smaller distance in the "
-        "KEEP"
+        "stay above it with a pose in between, another order or MOVEJ_AVOID; or allow a smaller distance "
+        "in the KEEP"
     ),
     "Y0907": (
-        "stay inside: a via pose, another order, or NEAR for another configuration; or correct the zone in "
-        "the cell.toml"
+        "stay inside with a via pose, another order, or another configuration (NEAR); or correct the zone "
+        "in the cell.toml"
     ),
     "Y0908": (
-        "go round it: a via pose, another order, or NEAR for another configuration; or correct the zone in "
+        "avoid it by a via pose, another order, or another configuration (NEAR); or correct the zone in "
         "the cell.toml"
     ),
     "Y0909": "choose another configuration (NEAR) or a via pose; or correct the window in the cell.toml",
     "Y0910": (
-        "take the posture before going in, with NEAR or a MOVEJ in front; or correct the zone in the "
-        "cell.toml"
+        "take the posture before entering, with NEAR or a MOVEJ before; or correct the zone in the cell.toml"
     ),
 }

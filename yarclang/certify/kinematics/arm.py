@@ -16,15 +16,15 @@ from yarclang.frozen import frozen
 from yarclang.robot.model import Array, Chain, Lines
 
 _BLOCK = 1024
-"""Samples that are computed in one step, few enough for the processor's cache."""
+"""Number of samples that are computed in one step, small enough for the processor's cache."""
 
 _NO_PITCH = 1e-11
 """Largest pitch [m/rad] of a joint that counts as turning only.
 
-For an axis more than 1 m from the origin of {B}, this is a share of the distance.
+For an axis more than 1 m from the origin of {B}, the limit is multiplied by this distance in metres.
 
-No joint of a URDF both turns and slides. Rounding leaves a small pitch, such as 1e-14 m for an arm 100 m from
-its URDF's root.
+No joint of a URDF both turns and slides. Rounding leaves a small pitch, such as 1e-14 m/rad for an arm 100 m
+from its URDF's root.
 """
 
 
@@ -36,8 +36,8 @@ class _Steps:
         lines: the axes.
         hinges: (n, 4, 4) frames of the joints in {B} with all joints at zero, the axis along z.
         back: (n, 4, 4) inverses of `hinges`.
-        into: (n, 4, 4) transforms from each joint's frame to the next one, the last to the flange,
-            transposed.
+        into: (n, 4, 4) transposed transforms from each joint's frame to the next one. The last one leads to
+            the flange.
     """
 
     lines: Lines
@@ -48,12 +48,13 @@ class _Steps:
 
 @lru_cache(maxsize=256)
 def _steps(chain: Chain) -> _Steps:
-    """Compute the constants of a chain, cached by its identity."""
+    """Compute the constant transforms of a chain. Results are cached by the chain's identity."""
     lines = axes_of(chain)
     size = chain.size
     hinges = np.zeros((size, 4, 4))
     for joint, (axis, point) in enumerate(zip(lines.axes, lines.points, strict=True)):
-        # The x and y axes are arbitrary: project the unit vector that is least aligned with the axis.
+        # The x and y axes may point anywhere across the axis z: project the unit vector that is least aligned
+        # with z.
         least = int(np.argmin(np.abs(axis)))
         side = np.eye(3)[least] - axis * axis[least]
         side = side / np.sqrt(side @ side)
@@ -61,6 +62,7 @@ def _steps(chain: Chain) -> _Steps:
         hinges[joint, :3, 3], hinges[joint, 3, 3] = point, 1.0
     back = np.zeros_like(hinges)
     back[:, :3, :3] = hinges[:, :3, :3].transpose(0, 2, 1)
+    # The inverse of a transform (R, p) is (R', -R' p).
     back[:, :3, 3] = -np.einsum("nij,nj->ni", back[:, :3, :3], hinges[:, :3, 3])
     back[:, 3, 3] = 1.0
     following = np.concatenate([hinges[1:], chain.base_from_flange[None]])
@@ -78,6 +80,7 @@ def axes_of(chain: Chain) -> Lines:
     axes, points, turns, slides = np.zeros((size, 3)), np.zeros((size, 3)), np.zeros(size), np.zeros(size)
     for joint, screw in enumerate(chain.screws):
         along, about = screw[:3], screw[3:]
+        # A screw without an angular part is a translation along its linear part.
         rate = float(np.sqrt(about @ about))
         if rate == 0.0:
             slides[joint] = float(np.sqrt(along @ along))
@@ -85,6 +88,8 @@ def axes_of(chain: Chain) -> Lines:
             continue
         turns[joint] = rate if abs(rate - 1.0) > 1e-12 else 1.0
         axes[joint] = about / rate
+        # Compute the point of the axis nearest to the origin, and the pitch: the part of the screw's linear
+        # part along the axis.
         points[joint] = np.cross(about, along) / rate**2
         pitch = float(axes[joint] @ along)
         slides[joint] = pitch if abs(pitch) > _NO_PITCH * max(1.0, float(np.sqrt(along @ along))) else 0.0
@@ -175,17 +180,18 @@ def poses_and_jacobians(chain: Chain, q: Array, flange_from_tool: Array) -> tupl
         columns = (tool @ flange.reshape(4, -1)).reshape(flange.shape)
         poses[rows, :3] = columns.transpose(2, 1, 0)
         axes = frames[:, 2]
-        # A turning joint moves the origin by axis x (origin - point on the axis).
+        # Per unit of its motion, a revolute joint moves the frame's origin by axis x (origin - point on the
+        # axis).
         x, y, z = (columns[3] - frames[:, 3]).transpose(1, 0, 2)
-        found = np.empty((6, *axes[:, 0].shape))
-        found[0] = axes[:, 1] * z - axes[:, 2] * y
-        found[1] = axes[:, 2] * x - axes[:, 0] * z
-        found[2] = axes[:, 0] * y - axes[:, 1] * x
-        found[3:] = axes.transpose(1, 0, 2)
+        columns_of = np.empty((6, *axes[:, 0].shape))
+        columns_of[0] = axes[:, 1] * z - axes[:, 2] * y
+        columns_of[1] = axes[:, 2] * x - axes[:, 0] * z
+        columns_of[2] = axes[:, 0] * y - axes[:, 1] * x
+        columns_of[3:] = axes.transpose(1, 0, 2)
         if not simple:
-            found *= lines.turn[:, None]
-            found[:3] += lines.slide[:, None] * axes.transpose(1, 0, 2)
-        jacobians[rows] = found.transpose(2, 0, 1)
+            columns_of *= lines.turn[:, None]
+            columns_of[:3] += lines.slide[:, None] * axes.transpose(1, 0, 2)
+        jacobians[rows] = columns_of.transpose(2, 0, 1)
     return poses, jacobians
 
 
@@ -210,7 +216,8 @@ def motions(chain: Chain, q: Array, rate: Array) -> tuple[Array, Array, Array]:
         axis = np.tensordot(turn, lines.axes[joint], axes=(1, 0))
         x, y, z = np.tensordot(turn, lines.points[joint], axes=(1, 0)) + shift
         spin[joint + 1] = axis * (lines.turn[joint] * rate[:, joint])
-        # A turn w about an axis through o gives the body's point at the origin of {B} the velocity o x w.
+        # A rotation with the angular velocity w about an axis through o gives the body's point at the origin
+        # of {B} the velocity o x w.
         u, v, w = spin[joint + 1]
         drift[joint + 1] = np.stack([y * w - z * v, z * u - x * w, x * v - y * u])
         drift[joint + 1] += axis * (lines.slide[joint] * rate[:, joint])
@@ -223,27 +230,27 @@ def _blocks(count: int) -> Iterator[slice]:
 
 
 class Kinematics:
-    """The judge's kinematics in the form used by the shared code for distances, zones and parts."""
+    """The judge's kinematics, with the interface that the shared code for distances, zones and parts uses."""
 
     __slots__ = ()
 
     def placements(self, chain: Chain, q: Array) -> Array:
-        """Return the transforms (n + 1, 3, 4, P) of the links in {B} from all joints at zero to `q` (P, n).
-
-        Row k is for the link that the first k joints move.
+        """Return the transforms (n + 1, 3, 4, P) in {B} that move each link from its pose with all joints at
+        zero to its pose at the joint positions `q` (P, n). Row k is for the link that the first k joints
+        move.
         """
         count = len(q)
         frames = _hinged(chain, np.ascontiguousarray(q.T))
         steps = _steps(chain)
-        found = np.empty((chain.size + 1, 3, 4, count))
-        found[0] = np.eye(3, 4)[:, :, None]
-        # Frame k + 1 is at G_(k+1) times its place at zero, where G_(k+1) is the wanted transform.
+        placed = np.empty((chain.size + 1, 3, 4, count))
+        placed[0] = np.eye(3, 4)[:, :, None]
+        # The pose of frame k + 1 is G_(k+1) times its pose with all joints at zero, and G_(k+1) is wanted.
         followed = [*frames[0][1:], frames[1]]
         backs = [*steps.back[1:], _inverted(chain.base_from_flange)]
         for joint, (frame, back) in enumerate(zip(followed, backs, strict=True)):
             columns = np.matmul(back.T, frame.reshape(4, -1)).reshape(4, 3, count)
-            found[joint + 1] = columns.transpose(1, 0, 2)
-        return found
+            placed[joint + 1] = columns.transpose(1, 0, 2)
+        return placed
 
     def flange(self, chain: Chain, q: Array) -> Array:
         """Return base_from_flange (P, 4, 4) for joint positions `q` (P, n)."""

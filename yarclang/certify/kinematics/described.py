@@ -1,8 +1,8 @@
 """The judge's description of a robot, read from the contents of robot.toml and of the URDF.
 
 The judge has its own readers and conventions. The contents come with the robot (`Robot.written`) as they were
-first read, so that a later change of the files has no effect. A robot without files has only numbers, which
-are used as they are, with the judge's own kinematics.
+first read, so that a later change of the files has no effect. A robot without files is defined only by its
+numbers. The judge uses them unchanged, with its own kinematics.
 """
 
 from __future__ import annotations
@@ -114,7 +114,7 @@ def own_robot(robot: Robot) -> Robot:
         base, flange = table["base"], table["flange"]
         moving = [joint for joint in _between(tree, base, flange) if joint.kind in _MOVING]
         if tuple(joint.name for joint in moving) != robot.joint_names:
-            raise ContradictionError("the joints between base and flange are others")
+            raise ContradictionError("the joints between base and flange differ")
         # All transforms are with the joints at zero: from the root of the URDF to the base, and from there to
         # each joint.
         base_from_root = inverse(_place(tree, base)[0])
@@ -145,7 +145,7 @@ def own_robot(robot: Robot) -> Robot:
 
 
 def _read_urdf(text: str) -> _Tree:
-    # Like other readers of URDF: ignore namespaces, and decode as UTF-8 even if the text declares otherwise.
+    # As other readers of URDF do, ignore namespaces, and decode as UTF-8 even if the text declares otherwise.
     builder = ElementTree.TreeBuilder()
     parser = expat.ParserCreate("utf-8")
     parser.StartElementHandler, parser.EndElementHandler = builder.start, builder.end
@@ -212,11 +212,11 @@ def _size(element: ElementTree.Element) -> Shape | None:
 
 def _between(tree: _Tree, base: str, flange: str) -> list[_Joint]:
     """Return the joints from one link to another, starting at the base."""
-    found, here = [], flange
+    joints, here = [], flange
     while here != base:
-        found.append(tree.above[here])
-        here = found[-1].parent
-    return found[::-1]
+        joints.append(tree.above[here])
+        here = joints[-1].parent
+    return joints[::-1]
 
 
 def _place(tree: _Tree, link: str) -> tuple[Array, tuple[str, ...]]:
@@ -235,7 +235,7 @@ def _screw(base_from_joint: Array, joint: _Joint) -> Array:
     axis = base_from_joint[:3, :3] @ joint.axis
     if joint.kind == "prismatic":
         return np.concatenate([axis, np.zeros(3)])
-    # Screw of a turn about an axis through p: linear part p x axis (Lynch and Park, ch. 3.3).
+    # The screw of a rotation about an axis through p has the linear part p x axis (Lynch and Park, ch. 3.3).
     return np.concatenate([np.cross(base_from_joint[:3, 3], axis), axis])
 
 
@@ -251,22 +251,22 @@ def _link_shapes(
     Only the content of meshes is taken from the `known` shapes.
     """
     count: dict[str, int] = {}
-    found = []
+    shapes = []
     for one in known:
         number = count.get(one.link, 0)
         count[one.link] = number + 1
         placed, above = _place(tree, one.link)
         joint = sum(name in moving for name in above)
-        link_from_shape, own = tree.shapes[one.link][number]
-        if (own is None) != isinstance(one.shape, Mesh):
-            raise ContradictionError(f"a collision shape of {one.link} is another one")
+        link_from_shape, shape = tree.shapes[one.link][number]
+        if (shape is None) != isinstance(one.shape, Mesh):
+            raise ContradictionError(f"a collision shape of {one.link} differs")
         if isinstance(one.shape, Mesh) and one.shape.pieces != pieces.get(one.link, 0):
-            raise ContradictionError(f"a mesh of {one.link} is in another number of pieces")
+            raise ContradictionError(f"a mesh of {one.link} has another number of pieces")
         made = _sealed(base_from_root @ placed @ link_from_shape)
-        found.append(LinkShape(one.link, joint, made, one.shape if own is None else own))
+        shapes.append(LinkShape(one.link, joint, made, one.shape if shape is None else shape))
     if sum(map(len, tree.shapes.values())) != len(known):
         raise ContradictionError("the URDF has another number of collision shapes")
-    return tuple(found)
+    return tuple(shapes)
 
 
 def _frames(table: Mapping[str, Any]) -> dict[str, Array]:
@@ -300,30 +300,32 @@ def _tools(known: Sequence[Tool], table: Mapping[str, Any], frames: Mapping[str,
     bodies: dict[str, list[Array]] = {name: [] for name in tables}
     for body in table.get("bodies", ()):
         bodies[body["tool"].upper()].append(_in_millimetres(body))
-    found = []
+    tools = []
     for tool in known:
-        own = tables[tool.name]
-        if len(bodies[tool.name]) != len(tool.shapes) or own.get("mounted", True) != tool.mounted:
-            raise ContradictionError(f"the tool {tool.name} is another one")
-        frame = frames[own.get("frame", _FLANGE).upper()]
+        written = tables[tool.name]
+        if len(bodies[tool.name]) != len(tool.shapes) or written.get("mounted", True) != tool.mounted:
+            raise ContradictionError(f"the tool {tool.name} differs")
+        frame = frames[written.get("frame", _FLANGE).upper()]
         shapes = tuple(
             ToolShape(_sealed(frame @ placed), one.shape)
             for placed, one in zip(bodies[tool.name], tool.shapes, strict=True)
         )
         turned = frame[:3, :3]
-        center = turned @ (np.array(own.get("center_of_mass", (0.0, 0.0, 0.0))) * _MILLIMETRE) + frame[:3, 3]
+        center = (
+            turned @ (np.array(written.get("center_of_mass", (0.0, 0.0, 0.0))) * _MILLIMETRE) + frame[:3, 3]
+        )
         # robot.toml gives center of mass and inertia in the tool's frame; turn both into the flange's axes.
-        xx, yy, zz, xy, xz, yz = own.get("inertia", (0.0,) * 6)
+        xx, yy, zz, xy, xz, yz = written.get("inertia", (0.0,) * 6)
         inertia = turned @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ turned.T
         own_tool = replace(
             tool,
             shapes=shapes,
-            mass=float(own.get("mass", 0.0)),
+            mass=float(written.get("mass", 0.0)),
             center=_sealed(center),
             inertia=_sealed(inertia),
         )
-        found.append(own_tool)
-    return tuple(found)
+        tools.append(own_tool)
+    return tuple(tools)
 
 
 def _limits(table: Mapping[str, Any], names: Sequence[str], units: Array) -> Limits:
@@ -345,6 +347,9 @@ def _limits(table: Mapping[str, Any], names: Sequence[str], units: Array) -> Lim
     times = table.get("ramps", {})
     rise, ease = (1e-3 * float(times.get(key, np.nan)) for key in ("rise", "ease"))
     velocity = column("velocity", nothing)
+    # If robot.toml gives a joint no acceleration limit, use the acceleration with which the joint reaches its
+    # largest velocity within the rise time. If it gives no jerk limit, use the jerk with which the joint
+    # reaches its largest acceleration within the ease time.
     acceleration = column("acceleration", velocity / rise)
     jerk = column("jerk", acceleration / ease)
     stops = column("stop_acceleration", acceleration)
@@ -380,7 +385,9 @@ def _dynamics(
 
 
 def _actuation(table: Mapping[str, Any], size: int) -> Actuation:
-    """Return K, J, a0 and the largest motor speeds [counts/s] from robot.toml, which has counts/ms."""
+    """Return the gear ratios K, the coupling J of the joints to the motors, the motors' offsets a0 and the
+    largest motor speeds [counts/s] from robot.toml, which states the speeds in counts/ms.
+    """
     said = table["actuation"]
     return Actuation(
         _sealed(np.array(said["K"], dtype=np.float64)),

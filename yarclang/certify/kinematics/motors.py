@@ -1,6 +1,7 @@
 """The judge's conversion between motor counts and joint positions.
 
-counts = K J q + a0, with q in deg and mm.
+counts = K J q + a0, with the gear ratios K, the coupling J of the joints to the motors, the joint positions q
+[deg or mm], and the motors' offsets a0.
 """
 
 from __future__ import annotations
@@ -22,13 +23,13 @@ def counts_per_joint(robot: Robot) -> Array:
     The array is read-only.
     """
     actuation, size = robot.actuation, robot.size
-    found = np.empty((size, size))
+    counts = np.empty((size, size))
     for motor in range(size):
         for joint in range(size):
             unit = _MILLIMETRE if not robot.chain.screws[joint, 3:].any() else _DEGREE
-            found[motor, joint] = actuation.gear[motor] * actuation.coupling[motor, joint] / unit
-    found.setflags(write=False)
-    return found
+            counts[motor, joint] = actuation.gear[motor] * actuation.coupling[motor, joint] / unit
+    counts.setflags(write=False)
+    return counts
 
 
 @lru_cache(maxsize=64)
@@ -41,6 +42,6 @@ def joints_per_count(robot: Robot) -> Array:
 
 
 def from_counts(robot: Robot, counts: Array) -> Array:
-    """Return the joint positions (..., n) [rad or m] of motor positions (..., n) [counts]."""
+    """Return the joint positions (..., n) [rad or m] for motor positions (..., n) [counts]."""
     found: Array = (counts - robot.actuation.offset) @ joints_per_count(robot).T
     return found

@@ -24,10 +24,13 @@ from yarclang.robot.model import Array, Robot
 SAME_PLACE = 1e-9
 """Largest difference between entries of two transforms that count as equal [m].
 
-For an arm longer than 1 m, this is a share of its length.
+If a coordinate of a joint or of the flange is larger than 1 m, the limit is multiplied by the largest
+coordinate in metres.
 """
 SAME_TORQUE = 1e-7
-"""Largest difference of equal torques, as a share of the largest torque [N m or N]."""
+"""Largest difference between torques that count as equal [N m or N]. If a torque is larger than 1, the limit
+is multiplied by the largest torque.
+"""
 
 
 @frozen(eq=False)
@@ -70,7 +73,7 @@ def disagreements(layout: Layout, robot: Robot) -> Iterator[tuple[int, str]]:
     at = layout.at[segments]
     ahead, here, after = (layout.control[at + number] for number in range(3))
     h = layout.time[segments][:, None]
-    # Position, velocity and acceleration at a knot of the uniform cubic B-spline.
+    # Compute position, velocity and acceleration at a knot of the uniform cubic B-spline.
     q, v, a = (
         (ahead + 4.0 * here + after) / 6.0,
         (after - ahead) / (2.0 * h),
@@ -79,17 +82,19 @@ def disagreements(layout: Layout, robot: Robot) -> Iterator[tuple[int, str]]:
     placed = KINEMATICS.placements(robot.chain, q)
     flanges = KINEMATICS.flange(robot.chain, q)
     dynamics = robot.dynamics
-    own = torques(robot.chain, dynamics, q, v, a) if dynamics is not None and dynamics.is_checked else None
+    torque = torques(robot.chain, dynamics, q, v, a) if dynamics is not None and dynamics.is_checked else None
     for row, step in enumerate(steps):
-        places, needed = _asked(witness, (q[row], v[row], a[row]), loaded=own is not None)
+        places, needed = _asked(witness, (q[row], v[row], a[row]), loaded=torque is not None)
         ours = np.empty_like(places)
+        # The judge's transforms move the frames at zero, which are taken from Pinocchio, to their places at
+        # q.
         ours[:-1] = _joined(placed[1:, :, :, row]) @ witness.at_zero[:-1]
         ours[-1] = flanges[row]
         allowed = SAME_PLACE * max(1.0, float(np.abs(places[:, :3, 3]).max()))
         if not float(np.abs(ours - places).max()) <= allowed:
             yield step, "Pinocchio puts the links elsewhere than the judge's kinematics"
             return
-        if own is not None and not float(np.abs(own[row] - needed).max()) <= SAME_TORQUE * max(
+        if torque is not None and not float(np.abs(torque[row] - needed).max()) <= SAME_TORQUE * max(
             1.0, float(np.abs(needed).max())
         ):
             yield step, "Pinocchio needs other torques than the judge's dynamics"
@@ -125,6 +130,7 @@ def _asked(witness: _Witness, motion: tuple[Array, Array, Array], *, loaded: boo
         rate[columns], change[columns] = v, a
         needed = np.asarray(pin.rnea(model, data, full, rate, change))[columns]
     pin.framesForwardKinematics(model, data, full)
+    # Pinocchio's frames are in the URDF's root: base_from_frame = base_from_root root_from_frame.
     back = data.oMf[witness.base].inverse()
     places = [back * data.oMi[joint] for joint in witness.joints] + [back * data.oMf[witness.flange]]
     return np.array([one.homogeneous for one in places]), needed
@@ -143,12 +149,15 @@ def _witness_of(robot: Robot) -> _Witness | None:
     base, flange = (model.getFrameId(link, pin.FrameType.BODY) for link in (ends.base, ends.flange))
     data = model.createData()
     pin.framesForwardKinematics(model, data, pin.neutral(model))
+    # Pinocchio works in the axes of the URDF's root. The robot's gravity is given in those of {B}.
     turned = data.oMf[base].rotation
     if robot.dynamics is not None:
         model.gravity.linear = turned @ robot.dynamics.gravity
     last = joints[-1]
     for tool in robot.tools:
         if tool.mounted and tool.mass > 0.0:
+            # The tool's inertia is given in the flange's frame; move it into the frame of the last joint and
+            # add it there.
             body = pin.Inertia(tool.mass, tool.center, tool.inertia)
             model.inertias[last] += (data.oMi[last].inverse() * data.oMf[flange]).act(body)
     data = model.createData()

@@ -16,14 +16,14 @@ from yarclang.robot.model import Array, Robot
 SAME = 1e-9
 """Largest difference between entries of two transforms that count as equal [m].
 
-For a frame farther than 1 m from the origin, this is a share of its distance.
+If a coordinate of a frame is larger than 1 m, the limit is multiplied by the largest coordinate in metres.
 """
 
 
 def wrong_poses(program: hir.Program, robot: Robot) -> Iterator[tuple[int | None, str]]:
-    """Yield where poses differ from the numbers that were written, each with the difference in words.
+    """Yield the poses that differ from the numbers that their author wrote, each as its step and a reason.
 
-    These are steps of the program, and, with None instead of a step, bodies, frames and zones of the cell.
+    The step is None for a body, a frame or a zone of the cell.
 
     Args:
         program: the program.
@@ -43,6 +43,8 @@ def wrong_poses(program: hir.Program, robot: Robot) -> Iterator[tuple[int | None
         written = of_numbers(np.array([told.numbers for *_, told in group]))
         bases = np.array([frames.placed(told.base) for *_, told in group])
         moving = np.array([frames.placed(told.moving) for *_, told in group])
+        # Compare all goals of the group at once: first their moving frames, then absolute poses, then
+        # increments.
         same = _are_all_one(np.array([goal.flange_from_moving for _, goal, _ in group]), moving)
         are_poses = np.array([isinstance(goal, hir.PoseGoal) for _, goal, _ in group])
         poses = [goal.base_from_moving for _, goal, _ in group if isinstance(goal, hir.PoseGoal)]
@@ -61,7 +63,7 @@ def wrong_poses(program: hir.Program, robot: Robot) -> Iterator[tuple[int | None
                 group[place][0],
                 (
                     "its pose isn't the one that was written: frame, position or rotation were converted "
-                    "otherwise"
+                    "wrongly"
                 ),
             )
     if program.cell is not None:
@@ -83,13 +85,13 @@ class _Frames:
         if known is not None:
             return known[1]
         if link.parent is None:
-            found = np.eye(4)
+            pose = np.eye(4)
         elif link.told is None:
-            found = self.placed(link.parent) @ self._of_robot(link)
+            pose = self.placed(link.parent) @ self._of_robot(link)
         else:
-            found = self.placed(link.parent) @ of_numbers(link.told)
-        self._placed[id(link)] = link, found
-        return found
+            pose = self.placed(link.parent) @ of_numbers(link.told)
+        self._placed[id(link)] = link, pose
+        return pose
 
     def _of_robot(self, link: hir.FrameLink) -> Array:
         own = self._robot.flange_from_frame.get(link.name)
@@ -107,7 +109,7 @@ class _Frames:
             link = link.parent
 
     def wrong_rules(self, keeps: tuple[Keep, ...]) -> Iterator[str]:
-        """Yield what is wrong with rules (KEEP), skipping those that were checked before."""
+        """Yield the faults of rules (KEEP) in words, except of rules that were checked before."""
         for keep in keeps:
             carried, standing = keep.carried, keep.standing
             if id(keep) in self._checked:
@@ -183,16 +185,18 @@ def _wrong_places(cell: Cell, robot: Robot) -> Iterator[str]:
     for name, transform, told in placed:
         if told is None:
             continue
-        own = _followed(told)
-        if not _are_one(own, transform):
+        written = _followed(told)
+        if not _are_one(written, transform):
             yield f"{name} of the cell isn't where its numbers put it"
     for zone in cell.zones:
         border = zone.region
         if isinstance(border, HalfSpace) and border.told is not None and border.own_normal is not None:
-            own = _followed(border.told)
-            normal = own[:3, :3] @ border.own_normal / np.sqrt(border.own_normal @ border.own_normal)
-            off = np.append(normal - border.normal, normal @ own[:3, 3] - border.offset)
-            if np.abs(off).max() > SAME * max(1.0, float(np.abs(own[:3, 3]).max())):
+            written = _followed(border.told)
+            normal = written[:3, :3] @ border.own_normal / np.sqrt(border.own_normal @ border.own_normal)
+            # The border's plane goes through the origin p of the zone's frame. With the frame's rotation R
+            # and the border's own normal n, the half-space has the normal R n and the offset p . R n.
+            off = np.append(normal - border.normal, normal @ written[:3, 3] - border.offset)
+            if np.abs(off).max() > SAME * max(1.0, float(np.abs(written[:3, 3]).max())):
                 yield f"the border of the zone {zone.name} isn't where its numbers put it"
     yield from _wrong_cell_rules(cell, robot)
     yield from _wrong_tools(cell, robot)
@@ -226,6 +230,8 @@ def _wrong_tools(cell: Cell, robot: Robot) -> Iterator[str]:
         if weight is None or abs((body.mass or 0.0) - tool.mass) > SAME * max(1.0, tool.mass):
             yield f"the tool {body.name} has another mass"
             continue
+        # In another frame, given by rotation R and origin p, a centre of mass c becomes R c + p, and an
+        # inertia tensor I becomes R I R'.
         off = np.abs(turn @ weight.center + first[:3, 3] - tool.center).max()
         off = max(off, np.abs(turn @ weight.inertia @ turn.T - tool.inertia).max())
         if off > SAME:
@@ -246,7 +252,7 @@ def _are_one(one: Array, other: Array) -> bool:
 
 
 def _are_all_one(ones: Array, others: Array) -> NDArray[np.bool_]:
-    """Return for pairs of transforms (n, 4, 4) whether they are equal up to rounding (n,).
+    """Return a mask (n,): True for each pair of transforms (n, 4, 4) that are equal up to rounding.
 
     A pair with a value that isn't finite is not equal.
     """

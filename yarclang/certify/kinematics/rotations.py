@@ -1,4 +1,4 @@
-"""Rotations as the judge computes them: products of turns about axes."""
+"""Rotations as the judge computes them: products of rotations about axes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def cross_matrix(vectors: Array) -> Array:
 def turn(axis: Array, angle: Array) -> Array:
     """Return the rotations (..., 3, 3) about a unit axis (3,) by angles (...) [rad].
 
-    Rodrigues' formula: c I + (1 - c) a a' + s [a].
+    Rodrigues' formula: c I + (1 - c) a a' + s [a]x, with c = cos(angle), s = sin(angle) and the unit axis a.
     """
     cosine, sine = np.cos(angle)[..., None, None], np.sin(angle)[..., None, None]
     made: Array = cosine * np.eye(3) + (1.0 - cosine) * np.outer(axis, axis) + sine * cross_matrix(axis)

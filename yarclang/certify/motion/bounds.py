@@ -17,11 +17,11 @@ from yarclang.frozen import frozen
 from yarclang.robot.model import Array, Chain
 
 HERMITE = 1.0 / 384.0
-"""Factor of d^4 max|e''''| in the Hermite remainder."""
+"""Factor of d^4 max|e''''| in the Hermite remainder (see the head of this module)."""
 JUMP = 1.0 / 192.0
-"""Factor of d^3 |G| for a jump G of e'''."""
+"""Factor of d^3 |G| in the Hermite remainder, for a jump G of e'''."""
 HERMITE_RATE = np.sqrt(3.0) / 216.0
-"""Factor of d^3 max|e''''| in the remainder of the derivative."""
+"""Factor of d^3 max|e''''| in the difference of the derivatives of a function and of its Hermite cubic."""
 
 
 UNIT = 2.0**-53
@@ -32,18 +32,18 @@ UNIT = 2.0**-53
 class Fuzz:
     """Upper bounds of the rounding errors in the peaks (largest values) of segments, in units of `UNIT`.
 
-    A segment has four control points of size M at most, whose neighbours differ by S at most. Numbers in a
-    controller text are exact up to 3 M (decimal number, unit, product). The third difference has 8 such
-    errors, plus roundings of the steps by 4 + 4 + 4 S and a relative one of 12. With the duration h exact up
-    to 2, the jerk is off by less than (32 M + 256 S) / h^3, also after a product with a matrix of 12 columns.
-    In the same way, the acceleration at the start is off by (16 M + 128 S) / h^2, the velocity by (4 M + 32
-    S) / h and the position by 8 M. A peak is a value of the polynomial with these coefficients somewhere in
-    [0, h]. The peak's error is at most the sum of the errors of the coefficients, plus the rounding of its
-    own evaluation.
+    A segment has four control points of size M at most, whose neighbours differ by S at most. A number of a
+    controller text is off by at most 3 M: by its decimal digits, its unit and the product of both. The third
+    difference has 8 such errors. The roundings of the steps add (4 + 4 + 4) S, and a relative error of 12.
+    The duration h has a relative error of 2. The jerk is therefore off by less than (32 M + 256 S) / h^3,
+    also after a product with a matrix of 12 columns. In the same way, the acceleration at the start is off by
+    (16 M + 128 S) / h^2, the velocity by (4 M + 32 S) / h and the position by 8 M. A peak is a value of the
+    polynomial with these coefficients somewhere in [0, h]. The peak's error is at most the sum of the errors
+    of the coefficients, plus the rounding of its own evaluation.
 
     Attributes:
         size: (N, n) the sizes M.
-        step: (N, n) the steps S.
+        step: (N, n) the differences S.
         h: (N,) durations of the whole segments [s].
     """
 
@@ -53,7 +53,7 @@ class Fuzz:
 
     @staticmethod
     def of(size: Array, step: Array, h: Array) -> Fuzz:
-        """Return bounds from sizes M and steps S (N, n), and durations (N,) [s]."""
+        """Return the bounds for control points of sizes M that differ by S (N, n), and durations (N,) [s]."""
         return Fuzz(UNIT * size, UNIT * step, h)
 
     def take(self, rows: NDArray[np.int64]) -> Fuzz:
@@ -67,7 +67,7 @@ class Fuzz:
 
     @property
     def jerk(self) -> Array:
-        """Bound for the jerk (N, n)."""
+        """Bound of the rounding error of the jerk (N, n)."""
         found: Array = (32.0 * self.size + 256.0 * self.step) / self.h[:, None] ** 3
         return found
 
@@ -75,8 +75,8 @@ class Fuzz:
     def acceleration(self) -> Array:
         """Bound of the rounding error of the peak acceleration (N, n).
 
-        It is the sum of the bound for the acceleration at the start, h times that for the jerk, and 32 S for
-        the evaluation.
+        It is the sum of the bound for the acceleration at the start, h times the bound for the jerk, and 32 S
+        for the evaluation.
         """
         found: Array = (48.0 * self.size + 416.0 * self.step) / self.h[:, None] ** 2
         return found
@@ -85,8 +85,8 @@ class Fuzz:
     def velocity(self) -> Array:
         """Bound of the rounding error of the peak velocity (N, n).
 
-        It is the sum of the bound for the velocity at the start, h times that for the acceleration, h^2 / 2
-        times that for the jerk, and 64 S for the evaluation.
+        It is the sum of the bound for the velocity at the start, h times the bound for the acceleration, half
+        of h^2 times the bound for the jerk, and 64 S for the evaluation.
         """
         found: Array = (36.0 * self.size + 352.0 * self.step) / self.h[:, None]
         return found
@@ -188,7 +188,7 @@ class Cubics:
         h = self.h[:, None]
         end = self.v + h * (self.a + h * self.j / 2.0)
         peak = np.maximum(np.abs(self.v), np.abs(end))
-        # The acceleration changes its sign, so the velocity has its vertex v - a^2 / 2j inside.
+        # If the acceleration changes its sign, the velocity has its vertex, v - a^2 / 2j, inside the segment.
         inside = self.a * (self.a + h * self.j) < 0.0  # the vertex is inside, and the jerk is not zero
         peak[inside] = np.maximum(
             peak[inside], np.abs(self.v[inside] - self.a[inside] ** 2 / (2.0 * self.j[inside]))
@@ -209,6 +209,7 @@ class Cubics:
         turns &= np.maximum(np.maximum(self.v, v_end), middle) >= 0.0
         turns &= (self.a != 0.0) | (self.j != 0.0)
         row, joint = np.nonzero(turns)
+        # Extremes inside the segment are at the zeros of the velocity v + a t + j t^2 / 2.
         x, v, a, j = (values[row, joint] for values in (self.x, self.v, self.a, self.j))
         for t in _roots(j / 2.0, a, v, self.h[row]):
             there = x + t * (v + t * (a / 2.0 + t * j / 6.0))
@@ -272,18 +273,20 @@ class FourthDerivatives:
 def arm_fourth(reach: Array, prismatic: NDArray[np.bool_], w: Array, a: Array, j: Array) -> FourthDerivatives:
     """Bound the tool's fourth time derivatives while every joint has constant jerk.
 
-    A partial derivative of the tool's origin over some joints is a chain of cross products with their axes,
-    innermost the axis of the joint nearest to the tool. Its length is at most the distance of that axis from
-    the tool. Summed over the joint m nearest to the tool, this gives R_m (B_m - B_{m-1}) with B the sum of
-    `fourth` over the joints up to m.
+    A partial derivative of the tool's origin over some joints is a chain of cross products with their axes.
+    The innermost axis is that of the joint m nearest to the tool. The product's length is at most R_m, the
+    tool's distance from this axis. The bound is therefore the sum of R_m (B_m - B_{m-1}) over the joints m.
+    Here B_m is `fourth` of the sums of w, a and j over the joints up to m.
 
-    A prismatic joint enters at most once, and innermost (what is farther out only turns a free vector), with
-    length 1: the derivative of B in its direction. The rotation matrix is a product of [axis]x, whose
-    Frobenius norm is at most sqrt 2.
+    The partial derivative over a prismatic joint is the joint's axis, a vector of length 1, which other
+    joints can only turn. In a chain, a prismatic joint therefore occurs at most once, as the innermost
+    vector. It adds the derivative of `fourth` in the direction of its own w, a and j. The partial derivatives
+    of the rotation matrix are products with the cross-product matrices of the axes. Their Frobenius norm is
+    at most sqrt 2.
 
     Args:
         reach: (n,) distances from `reaches`; not used for a prismatic joint.
-        prismatic: (n,) True for joints that slide.
+        prismatic: (n,) True for prismatic joints.
         w: (N, n) largest |velocity| of each joint on a segment [rad/s or m/s].
         a: (N, n) largest |acceleration| [rad/s^2 or m/s^2].
         j: (N, n) largest |jerk| [rad/s^3 or m/s^3].
@@ -292,7 +295,8 @@ def arm_fourth(reach: Array, prismatic: NDArray[np.bool_], w: Array, a: Array, j
     sum_w, sum_a, sum_j, before, origin = zero, zero, zero, zero, zero
     for m in range(w.shape[1]):
         if prismatic[m]:
-            # The derivative of `fourth` in the direction of this joint's velocity, acceleration and jerk.
+            # Add the derivative of `fourth` in the direction of this joint's largest velocity, acceleration
+            # and jerk.
             origin = origin + (
                 (4.0 * sum_w**3 + 12.0 * sum_w * sum_a + 4.0 * sum_j) * w[:, m]
                 + 6.0 * (sum_w**2 + sum_a) * a[:, m]
@@ -300,6 +304,7 @@ def arm_fourth(reach: Array, prismatic: NDArray[np.bool_], w: Array, a: Array, j
             )
             continue
         sum_w, sum_a, sum_j = sum_w + w[:, m], sum_a + a[:, m], sum_j + j[:, m]
+        # Add R_m (B_m - B_(m-1)), where B_m is `fourth` of the sums over all joints up to this one.
         upto = fourth(sum_w, sum_a, sum_j)
         origin = origin + reach[m] * (upto - before)
         before = upto
@@ -309,14 +314,14 @@ def arm_fourth(reach: Array, prismatic: NDArray[np.bool_], w: Array, a: Array, j
 def reaches(chain: Chain, flange_from_tool: Array, travel: Array) -> Array:
     """Bound the distance of the tool's origin from each revolute axis, over all joint positions.
 
-    Going from the tool towards the base, take on each axis the point nearest to the point taken before. The
-    distances between these points add up (triangle inequality: the vector between two axes only turns); a
+    Going from the tool towards the base, choose on each axis the point nearest to the point chosen before.
+    The distances between these points add up (triangle inequality: the vector between two axes only turns); a
     prismatic joint adds its travel.
 
     Args:
         chain: the arm.
         flange_from_tool: (4, 4) tool frame, relative to the flange.
-        travel: (n,) largest |q| of each prismatic joint in the motion [m].
+        travel: (n,) largest distance of each prismatic joint from zero in the motion [m].
 
     Returns:
         (n,) distances [m]; zero for a prismatic joint.
@@ -330,7 +335,7 @@ def reaches(chain: Chain, flange_from_tool: Array, travel: Array) -> Array:
             length += float(travel[joint])
             continue
         # The screw's linear part is the cross product of a point of the axis with the axis.
-        on_axis = np.cross(angular, linear)  # the point of the axis nearest to the base's origin
+        on_axis = np.cross(angular, linear)  # this point of the axis is the one nearest to the base's origin
         nearest = on_axis + angular * float(angular @ (point - on_axis))
         length += float(np.linalg.norm(point - nearest))
         reach[joint] = length
@@ -351,8 +356,8 @@ def catch_up(
 ) -> Array:
     """Bound the distance of a path parameter s(t) from one that covers the whole path and never decreases.
 
-    This second parameter is defined by its Bezier points. They are those of s(t), clipped to the path, each
-    replaced by the largest one so far, with the first moved to the path's start and the last to its end. The
+    The second parameter is defined by its Bezier points. To get them, clip those of s(t) to the path, move
+    the first to the path's start and the last to its end, and replace each by the largest one so far. The
     distance between the parameters is at most that of the Bezier points. A deviation at the second parameter
     is therefore a deviation from the whole path in order of time (Frechet distance), not from the nearest
     point.
@@ -361,7 +366,7 @@ def catch_up(
         bezier: (P, 4) Bezier points of s on each piece of time, in order.
         group: (P,) command of each piece, in order, from 0 on.
         end: value of s at the end of the path.
-        covered: (C, 2) shares of the path at which each command joins and leaves it; None: 0 and 1.
+        covered: (C, 2) fractions of the path at which each command joins and leaves it; None for 0 and 1.
 
     Returns:
         (P,) largest distance on each piece, in s.
@@ -378,8 +383,8 @@ def catch_up(
     for begin, stop in zip(opens.tolist(), (closes + 1).tolist(), strict=True):
         forward = share[begin:stop].reshape(-1)
         np.maximum.accumulate(forward, out=forward)
-    behind: Array = np.abs(share * end - bezier).max(axis=1)
-    return behind
+    lag: Array = np.abs(share * end - bezier).max(axis=1)
+    return lag
 
 
 def segment_max(values: Array, first: NDArray[np.int64]) -> Array:

@@ -31,8 +31,8 @@ from yarclang.progress import go_on
 from yarclang.robot.model import Array, Robot
 
 REMAINDER_SHARE = 0.02
-"""Share of the tolerance that the remainder of the proof (the bound of the error between sampled points) may
-take. It determines the number of pieces.
+"""Fraction of the tolerance that the remainder of the proof (the bound of the error between sampled points)
+should not exceed. It determines the number of pieces.
 """
 _AT_ONCE = 8_192
 """Number of pieces that are bounded in one step, so that memory does not grow with the length of a motion."""
@@ -51,7 +51,7 @@ class Stretch:
         free: (C, 2) True in the first column if a blend joins the path after its start, and in the second
             column if a blend leaves the path before its end.
         tolerance: (C,) tolerance of the position [m]. The number of pieces is chosen so that the remainder of
-            the proof is a small share of it, `REMAINDER_SHARE`.
+            the Hermite interpolation is a small fraction of the tolerance, `REMAINDER_SHARE`.
         angle: (C,) tolerance of the angle [rad], used in the same way as `tolerance`.
         speed: the programmed speeds of the C commands.
     """
@@ -107,7 +107,7 @@ def follow(
 
     On a piece, e(t) = p(q(t)) - P(s(t)) is at most its largest Bezier point plus the remainder d^4/384 M4. M4
     is the sum of the bounds for the fourth derivatives of p(q(t)) and of P(s(t)); for a line, the second
-    bound is zero. Where s passes a jump of P''', e''' jumps by s'^3 times that jump. For the turn, D =
+    bound is zero. Where s passes a jump of P''', e''' jumps by s'^3 times that jump. For the rotation, D =
     R(q(t)) - R*(s(t)) has the Frobenius norm 2 sqrt 2 sin(angle/2), and pieces are bounded in that norm.
 
     If a blend precedes or follows a command, s runs only from where the blend joins the path to where the
@@ -117,32 +117,34 @@ def follow(
         stretch: the segments of all C commands.
         paths: the programmed paths.
         robot: the arm.
-        claims: for a single command, control values of s over time to try instead of the projection, and the
-            index of the segment in which that B-spline begins.
-        is_way: True if `claims` are shares of the path length of the frame's origin, not s. The projection
-            then starts from them.
+        claims: for a single command, control values of a B-spline s(t) to try instead of the projection, and
+            the index of the segment in which the B-spline begins.
+        is_way: True if the values of `claims` are not s, but fractions of the path length of the frame's
+            origin. They are then only the first guess of the projection.
 
     Returns:
         The deviations and speeds of all C commands.
     """
     cubics = stretch.cubics
     arm = _arm_bounds(stretch, paths, robot)
-    # The remainder falls with the fourth power of the number of pieces.
+    # The remainder d^4/384 M4, with d = h / pieces and the bound M4 of the fourth derivative, falls with the
+    # fourth power of the number of pieces. Find the number for which it is `REMAINDER_SHARE` of the
+    # tolerance.
     need = HERMITE * cubics.h**4 / REMAINDER_SHARE * arm.need
     pieces = np.clip(np.ceil(need**0.25), 1, MOST_PIECES).astype(np.int64)
     pieces = finer_for_speed(pieces, cubics.h, arm.origin, arm.rotation, stretch.speed, arm.command)
     law = _Law(claims, is_way)
-    found = _followed(stretch, paths, robot, arm, pieces, law)
+    followed = _followed(stretch, paths, robot, arm, pieces, law)
     # If a bound fails and the remainder takes a large part of it, try once with more pieces.
-    need_more = np.maximum(found.rest / stretch.tolerance, found.angle_rest / stretch.angle)
-    beyond = (found.position > stretch.tolerance) | (found.angle > stretch.angle)
+    need_more = np.maximum(followed.rest / stretch.tolerance, followed.angle_rest / stretch.angle)
+    beyond = (followed.position > stretch.tolerance) | (followed.angle > stretch.angle)
     again = np.flatnonzero(paths.lawful & beyond & (need_more > 2.0 * REMAINDER_SHARE))
     if len(again) and not (pieces == MOST_PIECES).all():
         factor = np.ones(len(stretch.first))
         factor[again] = np.minimum(need_more[again] / REMAINDER_SHARE, 1e6) ** 0.25
         pieces = np.clip(np.ceil(pieces * factor[arm.command]), 1, MOST_PIECES).astype(np.int64)
-        found = _followed(stretch, paths, robot, arm, pieces, law)
-    return found
+        followed = _followed(stretch, paths, robot, arm, pieces, law)
+    return followed
 
 
 @frozen(eq=False)
@@ -174,8 +176,8 @@ def _arm_bounds(stretch: Stretch, paths: FramePaths, robot: Robot) -> _Arm:
     cubics, first = stretch.cubics, stretch.first
     command = np.repeat(np.arange(len(first)), np.diff(np.append(first, len(cubics.h))))
     origin, rotation = arm_bounds(cubics, command, paths.flange_from_moving, robot)
-    # A rotation difference has a norm of about sqrt 2 times the angle; the programmed turn adds about as much
-    # again, hence the factor 2.
+    # A rotation difference has a norm of about sqrt 2 times the angle. The programmed rotation adds about as
+    # much as the executed one, hence the factor 2.
     turn = 2.0 * rotation / np.sqrt(2.0) / stretch.angle[command]
     return _Arm(command, origin, rotation, np.maximum(origin / stretch.tolerance[command], turn))
 
@@ -197,7 +199,8 @@ def _followed(
     count = len(stretch.first)
     position, angle, rest, angle_rest = (np.zeros(count) for _ in range(4))
     covered = np.tile([0.0, 1.0], (count, 1))
-    # A motion whose path is covered by its blends follows no part of it; the balls then cover fixed shares.
+    # If blends cover a whole path, no part of it is followed. The ball of each blend must then contain a
+    # fixed fraction of the path.
     nothing = stretch.follow[:, 0] >= stretch.follow[:, 1]
     covered[nothing] = covered_by_balls(stretch.free[nothing])[:, None]
     if nothing.any() or stretch.free.any():
@@ -270,14 +273,14 @@ def _bounds(
     ends = np.append(begins[1:], len(d)) - 1
     there = cut.command[begins]
     free = stretch.free[there]
-    # A motion with a free end joins or leaves the path at the s of its first or last point. Otherwise it must
-    # cover the path up to its end.
+    # The followed range of the path is from s = 0 to 1. Where a blend joins or leaves the path, the range
+    # begins or ends instead at the s of the motion's first or last point.
     covered = np.clip(np.stack([bezier_s[begins, 0], bezier_s[ends, 3]], axis=1), 0.0, 1.0)
     covered = np.where(free, covered, [0.0, 1.0])
     group = np.repeat(np.arange(len(begins)), ends - begins + 1)
-    behind = catch_up(bezier_s, group, covered=covered)
+    lag = catch_up(bezier_s, group, covered=covered)
     parts = [
-        _bounds_of(paths, arm, cut, motion, (s, s_rate), bezier_s, behind, slice(begin, begin + _AT_ONCE))
+        _bounds_of(paths, arm, cut, motion, (s, s_rate), bezier_s, lag, slice(begin, begin + _AT_ONCE))
         for begin in range(0, len(d), _AT_ONCE)
     ]
     position, angle, rest, angle_rest = (
@@ -293,7 +296,7 @@ def _bounds_of(
     motion: Motion,
     law: tuple[Array, Array],
     bezier_s: Array,
-    behind: Array,
+    lag: Array,
     which: slice,
 ) -> tuple[Array, Array, Array, Array]:
     """Bound the deviations of position and angle, and their remainders, on some consecutive pieces.
@@ -305,16 +308,16 @@ def _bounds_of(
         motion: the frames at the points between the pieces.
         law: s and its rate at these points, (N,) each.
         bezier_s: (P, 4) Bezier points of s on all pieces.
-        behind: (P,) distances of s from a parameter that never decreases, by `catch_up`.
+        lag: (P,) distances of s from a parameter that never decreases, by `catch_up`.
         which: the pieces to bound.
     """
-    # Take only the points of these pieces.
+    # Select the points between these pieces.
     first = cut.left[which.start]
     left, segment, command = (x[which] for x in (cut.left, cut.segment, cut.command))
     d = cut.d[which]
     points = slice(first, left[-1] + 2)
     left = left - first
-    right, bezier_s, behind = left + 1, bezier_s[which], behind[which]
+    right, bezier_s, lag = left + 1, bezier_s[which], lag[which]
     s, s_rate = (x[points] for x in law)
     go_on()
     path = paths.at(cut.owner[points], s)
@@ -328,23 +331,24 @@ def _bounds_of(
     low, high = bezier_s.min(axis=1), bezier_s.max(axis=1)
     steep = paths.bounds(command, low, high)
     go_on()
-    # The lag of s is measured along the path between s and the non-decreasing parameter of `catch_up`.
+    # Below, the lag is multiplied by a bound of the path's slope. This bound must also hold between s and the
+    # non-decreasing parameter of `catch_up`.
     lifted = steep
     if not steep.everywhere:
-        least = np.maximum(low - behind, np.minimum(low, 0.0))
-        most = np.minimum(high + behind, np.maximum(high, 1.0))
+        least = np.maximum(low - lag, np.minimum(low, 0.0))
+        most = np.minimum(high + lag, np.maximum(high, 1.0))
         lifted = paths.bounds(command, least, most)
     go_on()
-    # Remainders of the Hermite interpolation: the path's part and the arm's part.
+    # Add up the remainders of the Hermite interpolation: those of the path and those of the arm.
     rest, chord_rest = _remainders(bezier_s, d, steep)
     rest = rest + HERMITE * d**4 * arm.origin[segment]
     chord_rest = chord_rest + HERMITE * d**4 * arm.rotation[segment]
-    # Distance at equal s, plus the length of path by which s may lag behind a non-decreasing parameter.
-    position = hull(e, e_rate, left, right, d) + rest + behind * lifted.position[:, 0]
+    # Add the distance at equal s and the length of path by which s may lag behind a non-decreasing parameter.
+    position = hull(e, e_rate, left, right, d) + rest + lag * lifted.position[:, 0]
     chord = hull(turn, turn_rate, left, right, d)
     # The Frobenius norm of a rotation's derivative is sqrt 2 times its angular speed.
-    lag = behind * lifted.rotation[:, 0] / np.sqrt(2.0)
-    angle = np.minimum(angle_of_chord(chord + chord_rest) + lag, np.pi)
+    angle_lag = lag * lifted.rotation[:, 0] / np.sqrt(2.0)
+    angle = np.minimum(angle_of_chord(chord + chord_rest) + angle_lag, np.pi)
     angle_rest = angle_of_chord(chord + chord_rest) - angle_of_chord(chord)
     return position, angle, rest, angle_rest
 
@@ -354,7 +358,8 @@ def _errors(motion: Motion, path: Poses, s_rate: Array) -> tuple[Array, Array, A
     rates.
     """
     e = motion.p - path.p
-    # Chain rule: d/dt P(s(t)) = s' P'(s), and R' = [omega]x R.
+    # By the chain rule, the position P(s) on the path changes at the rate s' P'(s). The columns of the
+    # frame's rotation change at the rate omega x column, with the angular velocity omega.
     e_rate = motion.velocity - s_rate[:, None] * path.along
     turn = motion.rotation - path.rotation
     turn_rate = np.cross(motion.angular[:, :, None], motion.rotation, axis=1)
@@ -364,7 +369,7 @@ def _errors(motion: Motion, path: Poses, s_rate: Array) -> tuple[Array, Array, A
 
 def _remainders(bezier_s: Array, d: Array, steep: Bounds) -> tuple[Array, Array]:
     """Return the remainders of position and rotation (P,) as far as the programmed path causes them."""
-    # Bezier points of s' and s'', and the constant s''' of the cubic s(t).
+    # Compute the Bezier points of s' and s'', and s''', which is constant since s(t) is a cubic.
     ds = np.diff(bezier_s, axis=1) * (3.0 / d)[:, None]
     dds = np.diff(ds, axis=1) * (2.0 / d)[:, None]
     s3 = np.abs(np.diff(dds, axis=1)[:, 0]) / d
@@ -372,7 +377,7 @@ def _remainders(bezier_s: Array, d: Array, steep: Bounds) -> tuple[Array, Array]
     scale = HERMITE * d**4
     position = np.zeros(len(d)) if steep.straight else scale * path_fourth(steep.position, s1, s2, s3)
     rotation = scale * path_fourth(steep.rotation, s1, s2, s3)
-    # A cubic passes a place once, or at most three times if it turns back.
+    # The cubic s(t) takes a value once, or at most three times if it turns back.
     passes = np.where((ds.min(axis=1) < 0.0) & (ds.max(axis=1) > 0.0), 3.0, 1.0)
     if steep.position_jump is not None:
         position = position + JUMP * passes * (d * s1) ** 3 * steep.position_jump
@@ -390,13 +395,16 @@ def _claimed(control: Array, begins: int, cut: Pieces, h: Array) -> tuple[Array,
         cut: the pieces.
         h: durations of the segments [s].
     """
-    # Each point between pieces is at the share u of segment k; the last point ends its segment.
+    # Each point between pieces is in segment k, at the fraction u of its duration; the last point is a
+    # segment's end.
     k = np.append(cut.segment, cut.segment[-1]) - begins
     start = np.append(np.flatnonzero(np.diff(cut.segment, prepend=-1)), len(cut.segment))
     size = np.diff(start)
     number = np.arange(len(cut.segment)) - np.repeat(start[:-1], size)
+    # Compute u: the number of the piece within its segment, divided by the number of pieces of that segment.
     u = np.append(number / np.repeat(size, size), 1.0)
-    # Basis functions of the uniform cubic B-spline at u in [0, 1], times 6, and their derivatives, times 2.
+    # Use the basis functions of the uniform cubic B-spline at u in [0, 1], times 6, and their derivatives,
+    # times 2.
     w = 1.0 - u
     f0, f1, f2, f3 = (control[k + i] for i in range(4))
     s = (

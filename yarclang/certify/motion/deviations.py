@@ -67,15 +67,15 @@ def _judge_deviation(judged: Judged, place: Place, deviation: Deviation) -> None
     if deviation.end_position > tolerance.position or deviation.end_angle > tolerance.angle:
         judged.find(
             "Y1160",
-            f"the motion ends {shown(deviation.end_position, deviation.end_angle)} from its goal, "
-            f"allowed are {shown(tolerance.position, tolerance.angle)} (line {place.last_line})",
+            f"the motion ends {shown(deviation.end_position, deviation.end_angle)} from its goal; "
+            f"{shown(tolerance.position, tolerance.angle)} are allowed (line {place.last_line})",
             place.step,
         )
     elif not (deviation.position <= tolerance.position and deviation.angle <= tolerance.angle):
         judged.find(
             "Y1159",
-            f"the path is proved within {shown(deviation.position, deviation.angle)}, allowed are "
-            f"{shown(tolerance.position, tolerance.angle)}",
+            f"the path deviation is proved only within {shown(deviation.position, deviation.angle)}; "
+            f"{shown(tolerance.position, tolerance.angle)} are allowed",
             place.step,
         )
 
@@ -88,8 +88,8 @@ def _joint_moves(judged: Judged, layout: Layout, rows: Rows, flanges: Array, pro
         assert isinstance(step, hir.JointMove)
         end = layout.ends[row]
         flows_on = place.behind is not None
-        # The goal of a motion that flows on is not in the text, so the planner claims it. At a rest it is the
-        # text's own end, which is compared with the programmed pose.
+        # The goal of a motion that flows on is not in the text, so the planner claims it. If the motion ends
+        # at rest, its goal is its end in the text, which is compared with the programmed pose.
         if isinstance(step.goal, hir.PoseGoal) and flows_on:
             claimed = claimed_joints(judged, place, 1)
             ends.append(check_claims(judged, place))
@@ -147,6 +147,8 @@ def _frame_off(judged: Judged, layout: Layout, place: Place, off: Array) -> floa
     motion = place.motion
     if motion.tolerance is None or not place.size or not np.isfinite(off).all():
         return 0.0
+    # A joint position is a convex combination of control points, so it is no farther from zero than the
+    # farthest of them.
     travel = np.abs(layout.points(place)).max(axis=0)
     return frame_off(off, moving_frame(motion), travel, judged.robot)
 
@@ -160,6 +162,7 @@ def _along_spline(judged: Judged, layout: Layout, row: int, points: Array, proof
     law = None
     if claimed is not None:
         # Take the claimed values of the segments that follow the path.
+        # Segment k of a uniform cubic B-spline depends on the control values k to k + 3.
         skip = begin - place.first - claimed[1]
         law = claimed[0][skip : skip + stop - begin + 3]
     free = bool(flows.free[row, 0]), bool(flows.free[row, 1])

@@ -21,9 +21,9 @@ from yarclang.robot.model import Array
 Rows = list[tuple[int, Place]]
 
 NO_WAY = 1e-6
-"""Length [m] and turn [rad] below which a path counts as a single point."""
+"""Length [m] and angle of rotation [rad] below which a path counts as a single point."""
 STILL = 1e-9
-"""Distance [m] that a frame's origin moves below which the origin counts as standing still.
+"""If a frame's origin moves by less than this [m], it counts as standing still.
 
 The speed of such a frame is its angular speed.
 """
@@ -43,32 +43,32 @@ def frame_moves(
     paths = _paths(moving, proofs)
     ends = distance(flanges[numbers] @ paths.flange_from_moving, paths.goal)
     stretch = _stretch(judged, layout, moving, paths, asked, proofs)
-    found = None
+    followed = None
     row, place = moving[0]
-    # Only splines have laws, and they are judged one by one, so that the proof of a motion does not depend on
-    # other motions.
+    # Only splines have claimed laws s(t). Splines are judged one by one, so that the proof of a motion does
+    # not depend on other motions.
     has_law = isinstance(place.motion, hir.PoseSplineMove) and not proofs.flows.is_cut(row)
     law = law_of(judged, place) if has_law else None
-    # With a programmed speed, the claimed law is usually that of the path length of the frame's origin: try
+    # If a speed is programmed, the claimed values are usually fractions of the path length rather than s: try
     # this first.
     ways = [True, False] if law is not None and np.isfinite(stretch.speed.top[0]) else [False]
     for is_way in ways if law is not None else []:
-        if found is None or _is_beyond(found, stretch):
-            found = follow(stretch, paths, judged.robot, law, is_way=is_way)
-    if found is None or _is_beyond(found, stretch):
-        found = follow(stretch, paths, judged.robot)
-    proofs.covered[numbers] = found.covered
+        if followed is None or _is_beyond(followed, stretch):
+            followed = follow(stretch, paths, judged.robot, law, is_way=is_way)
+    if followed is None or _is_beyond(followed, stretch):
+        followed = follow(stretch, paths, judged.robot)
+    proofs.covered[numbers] = followed.covered
     for i, (row, place) in enumerate(moving):
         proofs.frames[row] = paths, i
         end = (0.0, 0.0) if place.behind is not None else (float(ends[0][i]), float(ends[1][i]))
         proofs.deviations[place.step] = Deviation(
-            max(float(found.position[i]), end[0]),
-            max(float(found.angle[i]), end[1]),
+            max(float(followed.position[i]), end[0]),
+            max(float(followed.angle[i]), end[1]),
             *end,
-            float(found.rest[i]),
-            float(found.angle_rest[i]),
+            float(followed.rest[i]),
+            float(followed.angle_rest[i]),
         )
-        proofs.speeds[place.step] = _tool_speed(found, i)
+        proofs.speeds[place.step] = _tool_speed(followed, i)
 
 
 def _is_beyond(found: Followed, stretch: Stretch) -> bool:
@@ -124,6 +124,8 @@ def _stretch(
     numbers = np.array([row for row, _ in moving])
     flows = proofs.flows
     whole = flows.whole[numbers]
+    # Put the segments of all commands one after the other, and leave out those in between that belong to none
+    # of these commands.
     sizes = whole[:, 1] - whole[:, 0]
     first = np.cumsum(sizes) - sizes
     rows_of = np.arange(sizes.sum()) + np.repeat(whole[:, 0] - first, sizes)
@@ -132,10 +134,12 @@ def _stretch(
     cubics = flows.cut(cubics, numbers, first, first + sizes)
     count = len(moving)
     own = np.arange(count)
-    # Bounds of the path's first derivatives tell a motion of the origin from a pure turn.
+    # Bounds of the path's first derivatives distinguish a motion of the origin from a pure rotation.
     steep = paths.bounds(own, np.zeros(count), np.ones(count))
     reach, turned = steep.position[:, 0], steep.rotation[:, 0]
-    turns = reach < STILL
+    # Below `NO_WAY`, the origin of a frame that turns moves only because coordinates are rounded.
+    turns = (reach < STILL) | ((reach < NO_WAY) & (turned >= NO_WAY))
+    # The programmed speed of a pure rotation is an angular speed.
     top = np.where(turns, asked.top[numbers, 1], asked.top[numbers, 0])
     # A motion that goes nowhere has no speed.
     top[(reach < NO_WAY) & (turned < NO_WAY)] = np.nan

@@ -48,8 +48,9 @@ def straight_deviations(
     Every point of the motion is a convex combination of control points. At any instant it is therefore the
     point S + s D of the line, with s a combination of the s_i, plus a combination of the r_i, which is at
     most max |r_i|. The s_i are clipped to [0, 1], never decrease and end with 1, and a spline with growing
-    control points grows. So the bound is valid in order of time and for the whole line. If a motion flows
-    into the next one, the bound is valid for the part of the line between the first and the last s.
+    control points grows. The bound is therefore one of the Frechet distance: it compares motion and line in
+    order of time, and covers the whole line. If a motion flows into the next one, the bound is valid for the
+    part of the line between the first and the last s.
 
     Args:
         control: (G, n) control points of C commands, one command after the other [rad or m].
@@ -79,7 +80,7 @@ def straight_deviations(
         np.maximum.accumulate(s[begin:stop], out=s[begin:stop])
     residual = np.abs(control - start[owner] - s[:, None] * (lines.goal - start)[owner])
     covered = np.tile([0.0, 1.0], (len(first), 1))
-    # The motion joins and leaves the line at its first and last knot.
+    # The motion joins and leaves the line at the motion's first and last knot.
     joined, left = np.flatnonzero(free[:, 0]), np.flatnonzero(free[:, 1])
     covered[joined, 0] = _knot(s, first[joined])
     covered[left, 1] = _knot(s, last[left] - 2)
@@ -96,14 +97,14 @@ def _knot(s: Array, at: NDArray[np.int64]) -> Array:
 
 
 def frame_off(off: Array, flange_from_moving: Array, travel: Array, robot: Robot) -> float:
-    """Bound how far a frame [m] moves when the joints deviate.
+    """Bound the distance [m] by which a frame moves if the joints deviate.
 
     Each revolute joint moves the frame by at most the frame's reach times the joint's deviation.
 
     Args:
         off: (n,) largest deviations of the joints [rad or m].
         flange_from_moving: (4, 4) frame, relative to the flange.
-        travel: (n,) largest |q| of prismatic joints [m].
+        travel: (n,) largest distance of each prismatic joint from zero [m].
         robot: the arm.
     """
     reach = reaches(robot.chain, flange_from_moving, travel + off)

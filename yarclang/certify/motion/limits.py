@@ -20,7 +20,7 @@ from yarclang.frozen import frozen
 from yarclang.robot.model import Array, Robot
 
 RELATIVE = 1e-9
-"""Excess over a limit that is accepted as rounding, as a share of the limit."""
+"""Excess over a limit that is accepted as rounding, as a fraction of the limit."""
 POSITION_UNITS = 1e-9
 """Excess over a position limit that is accepted as rounding, in axis units (deg or mm)."""
 
@@ -48,7 +48,7 @@ NO_LOADS = Loads(None, 0)
 def check_limits(
     layout: Layout, places: list[Place], cubics: Cubics, robot: Robot
 ) -> list[tuple[Loads, tuple[Excess, ...]]]:
-    """Return the loads of neighbouring commands (used shares of limits), and the limits that they break.
+    """Return for each command its loads, as fractions of the limits, and the limits that it exceeds.
 
     Args:
         layout: the segments of the controller text.
@@ -61,10 +61,13 @@ def check_limits(
     first = np.array([place.first - base for place in places])
     speed = cubics.velocity_peaks()
     acceleration = cubics.acceleration_peaks()
+    # Motor positions are linear in joint positions, so they are cubics as well.
     motors = cubics.mapped(counts_per_joint(robot)).velocity_peaks()
     lower, upper = cubics.position_range()
-    with np.errstate(invalid="ignore"):  # a joint without limits: infinity minus infinity
+    with np.errstate(invalid="ignore"):  # a joint without limits gives infinity minus infinity
         middle, half = (limits.upper + limits.lower) / 2.0, (limits.upper - limits.lower) / 2.0
+        # The used fraction of a position's limit is the distance from the middle of the range, relative to
+        # half of the range.
         off = np.maximum(upper - middle, middle - lower)
         position = np.where(np.isfinite(half), off / half, 0.0)
     shares: dict[Quantity, Array] = {
@@ -108,7 +111,9 @@ def _names(quantity: Quantity, robot: Robot) -> tuple[str, ...]:
 
 
 def _largest(shares: Mapping[Quantity, Array], robot: Robot) -> Peaks:
-    """Return the largest of the shares (N, n) of each command and quantity, with its joint or motor."""
+    """Return, for each command and quantity, the largest used fraction of a limit and its joint or motor.
+    `shares` has arrays (N, n) for N commands and n joints or motors.
+    """
     all_shares = np.array([shares[quantity] for quantity in QUANTITIES])
     joints = np.argmax(all_shares, axis=2)
     most = np.take_along_axis(all_shares, joints[:, :, None], axis=2)[:, :, 0]
@@ -124,7 +129,7 @@ def _excess(
     Args:
         quantity: the limited quantity.
         joints: (n,) True for joints or motors that break the limit.
-        measure: (segments, n) shares of the limit; for positions, axis units beyond the limit.
+        measure: (segments, n) used fractions of the limit; for positions, axis units beyond the limit.
         robot: defines the limits.
         segment_time: duration of a segment [s].
     """
@@ -132,7 +137,7 @@ def _excess(
     worst = float(measure[segment, joint])
     unit = robot.axis_unit_names[joint]
     if quantity == "position":
-        text = f"goes {worst:.6g} {unit} past its limit"
+        text = f"exceeds its limit by {worst:.6g} {unit}"
     else:
         if quantity == "motor_velocity":
             limit, unit = float(robot.actuation.velocity[joint]), "counts/s"

@@ -1,4 +1,4 @@
-"""Segments of a motion cut into pieces of time, with the moving frames between the pieces and bounds."""
+"""Division of segments into pieces of time, poses of moving frames between the pieces, and bounds."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from yarclang.progress import go_on
 from yarclang.robot.model import Array, Chain, Robot
 
 _AT_ONCE = 8_192
-"""Points at which frames and Jacobians are computed in one step."""
+"""Number of points at which frames and Jacobians are computed in one step."""
 
 
 @frozen(eq=False)
@@ -86,7 +86,7 @@ def frame_motion(chain: Chain, cut: Pieces, flange_from_moving: Array) -> Motion
         go_on()
         moving = flange_from_moving[cut.owner[part]]
         twist = (jacobian @ cut.rate[part, :, None])[:, :, 0]
-        # Velocity of a point at the end of a lever: v + omega x arm.
+        # The frame is at the end of the lever `arm`, so its origin has the velocity v + omega x arm.
         arm = (flange[:, :3, :3] @ moving[:, :3, 3:])[:, :, 0]
         motion.p[part] = flange[:, :3, 3] + arm
         motion.velocity[part] = twist[:, :3] + np.cross(twist[:, 3:], arm)
@@ -106,16 +106,15 @@ def arm_bounds(cubics: Cubics, command: Rows, flange_from_moving: Array, robot: 
     """
     size = robot.chain.size
     low, high = cubics.position_range()
-    # Compute the travel for each command by itself: a proof must not depend on which other commands there
-    # are.
+    # Compute the travel of each command separately: a proof must not depend on the text's other commands.
     begins = np.flatnonzero(np.diff(command, prepend=-1))
     travel = np.zeros((len(flange_from_moving), size))
     farthest = np.maximum.reduceat(np.maximum(np.abs(low), np.abs(high)), begins)
     np.maximum.at(travel, command[begins], farthest * robot.chain.is_prismatic)
     w, a, j = cubics.velocity_peaks(), cubics.acceleration_peaks(), cubics.jerk_peaks()
     origin, rotation = np.empty(len(command)), np.empty(len(command))
-    # The levers depend only on the travel of the slides and on the moving frame: compute them once for equal
-    # values.
+    # The levers depend only on the moving frame and the travel of the prismatic joints: compute them once for
+    # equal values.
     reached = np.concatenate([travel, flange_from_moving.reshape(-1, 16)], axis=1)
     kinds, group = np.unique(reached, axis=0, return_inverse=True)
     kind_of = group.ravel()[command]
@@ -139,6 +138,8 @@ def hull(e: Array, rate: Array, left: Rows, right: Rows, d: Array) -> Array:
     """
     ends = np.linalg.norm(e, axis=1)
     third = (d / 3.0)[:, None]
+    # Bezier points of a Hermite cubic: e0, e0 + d/3 e0', e1 - d/3 e1', e1. The cubic lies in their convex
+    # hull, and a norm is largest at a corner of the hull.
     inner = np.linalg.norm(e[left] + third * rate[left], axis=1)
     outer = np.linalg.norm(e[right] - third * rate[right], axis=1)
     largest: Array = np.maximum(np.maximum(ends[left], ends[right]), np.maximum(inner, outer))

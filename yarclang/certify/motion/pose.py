@@ -1,4 +1,4 @@
-"""Distances and turns between poses."""
+"""Distances and angles between poses."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ def distance(poses: Array, others: Array) -> tuple[Array, Array]:
 
 
 def axis_and_angle(rotation: Array) -> tuple[Array, Array]:
-    """Return the axes (C, 3) and angles (C,) in [0, pi] of rotations (C, 3, 3); without a turn, the axis
+    """Return the axes (C, 3) and angles (C,) in [0, pi] of rotations (C, 3, 3). The axis is zero if the angle
     is zero.
     """
-    # sin(angle) times the axis, from the antisymmetric part; trace = 1 + 2 cos(angle).
+    # The antisymmetric part of a rotation is sin(angle) times its axis, and its trace is 1 + 2 cos(angle).
     vee = (
         np.stack(
             [
@@ -41,14 +41,14 @@ def axis_and_angle(rotation: Array) -> tuple[Array, Array]:
     sin = np.linalg.norm(vee, axis=1)
     cos = (np.trace(rotation, axis1=1, axis2=2) - 1.0) / 2.0
     angle = np.arctan2(sin, cos)
-    # Near half a turn `vee` vanishes; there the axis w is a column of (1 - cos) w w' = symmetric part - cos
-    # I.
+    # Near an angle of pi, `vee` vanishes. The axis w is then a column of (1 - cos) w w' = symmetric part -
+    # cos I.
     symmetric = (rotation + rotation.transpose(0, 2, 1)) / 2.0 - cos[:, None, None] * np.eye(3)
     column = np.argmax(np.einsum("nii->ni", symmetric), axis=1)
     other = np.take_along_axis(symmetric, column[:, None, None], axis=2)[:, :, 0]
     other *= np.where(np.einsum("ni,ni->n", other, vee) < 0.0, -1.0, 1.0)[:, None]
     axis = np.where((cos > -0.9)[:, None], vee, other)
     length = np.linalg.norm(axis, axis=1)
-    turns = length > 1e-100  # below that, the squares underflow to zero
+    turns = length > 1e-100  # for smaller lengths, the squares underflow to zero
     axis = np.where(turns[:, None], axis, 0.0) / np.where(turns, length, 1.0)[:, None]
     return axis, np.where(turns, angle, 0.0)

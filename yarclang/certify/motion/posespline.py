@@ -5,7 +5,7 @@ Position and quaternion are natural cubic splines; the quaternion is then normal
 The rotation matrix is R = M(Q) / n with n = |Q|^2, where M and n are polynomials of degree 6 on the span
 between two poses. Let M_k and N_k bound their derivatives, and n >= n_min. Leibniz' rule for R n = M then
 bounds the derivatives of R one after the other: G_k <= (M_k + sum over j < k of C(k, j) G_j N_(k-j)) / n_min.
-All bounds are those of Bernstein coefficients on cells, into which each span is divided.
+Each span is divided into cells. On each cell, M_k, N_k and n_min are bounds of Bernstein coefficients.
 """
 
 from __future__ import annotations
@@ -27,19 +27,19 @@ FEWEST_CELLS, CELLS = 4, 16
 """Least and largest number of cells into which a span is cut."""
 
 CELLS_IN_ALL = 16_384
-"""Number of cells of a whole curve, as far as each span between two way-points has `FEWEST_CELLS` to `CELLS`.
-
-The more way-points there are, the shorter and straighter are the spans.
+"""Largest number of cells of a whole curve. Each span between two waypoints has at least `FEWEST_CELLS`,
+even if the curve then has more cells. Few cells are enough if there are many waypoints, since the spans are
+then short and nearly straight.
 """
 
 _CELLS_AT_ONCE = 1_024
 """Number of cells that are bounded in one step, so that their polynomials stay in the processor's cache."""
 SAME = 1e-6
-"""Length [m] of a chord up to which neighbouring poses count as one."""
+"""Neighbouring poses count as one if the curve's parameter u grows by no more than this [m] between them."""
 STILL = 1e-9
 """Distance [m] below which the origin of a frame counts as standing still."""
 HALF_TURN = np.pi - 1e-9
-"""Turn [rad] between neighbours above which there is no unique short way between them."""
+"""Angle between neighbouring poses [rad] from which on the shorter direction of rotation is not unique."""
 
 
 @frozen(eq=False)
@@ -52,8 +52,8 @@ class PoseSpline:
         spline: position and quaternion (x, y, z, w) as (m, 7) over u.
         cells: (K + 1, 4, 2) bounds of the first to fourth derivative over u of position and rotation on each
             cell. All spans have the same number of cells; the last row is a copy of the one before.
-        jumps: (m + 1, 2) for each way-point, the jumps of the third derivatives of position and rotation,
-            summed over all way-points before it.
+        jumps: (m + 1, 2) for each waypoint, the jumps of the third derivatives of position and rotation,
+            summed over all waypoints before it.
         lawful: (1,) True if the curve is uniquely defined, without a half turn between neighbouring poses.
         free: first value True if a blend joins the curve after its start, second value True if a blend leaves
             it before its end.
@@ -80,12 +80,14 @@ class PoseSpline:
                 leaves it before its end.
         """
         q = _aligned(_quaternions(poses[:, :3, :3]))
-        # The angle between neighbouring quaternions is half the turn between them. The tangent of half that
-        # angle is |a - b| / |a + b|. The parameter u grows by sqrt(distance^2 + (TURN_CHORD angle)^2).
+        # A rotation by theta between neighbouring poses is an angle of theta / 2 between their quaternions a
+        # and b, so tan(theta / 4) = |a - b| / |a + b|. The parameter u grows by sqrt(distance^2 + (TURN_CHORD
+        # theta)^2).
         apart = np.linalg.norm(np.diff(q, axis=0), axis=1), np.linalg.norm(q[1:] + q[:-1], axis=1)
         turn = 4.0 * np.arctan2(*apart)
         steps = np.hypot(np.linalg.norm(np.diff(poses[:, :3, 3], axis=0), axis=1), hir.TURN_CHORD * turn)
         if (steps <= SAME).any():
+            # Leave out poses that equal the one before, and build the curve through the remaining poses.
             kept = np.concatenate([[True], steps > SAME])
             return PoseSpline.through(poses[kept], flange_from_moving, free) if kept.sum() > 1 else None
         spline = NaturalSpline.over(steps, np.concatenate([poses[:, :3, 3], q], axis=1))
@@ -125,7 +127,8 @@ class PoseSpline:
         q, rate = y[:, 3:], slope[:, 3:]
         n = np.einsum("ni,ni->n", q, q)[:, None, None]
         rotation = _matrix(q, q) / n
-        # Quotient rule for R = M(Q) / n, with M' = 2 M(Q, Q') and n' = 2 Q . Q'.
+        # Differentiate R = M(Q) / n (see the head of this module) by the quotient rule, with M' = 2 M(Q, Q')
+        # and n' = 2 Q . Q'.
         n_rate = 2.0 * np.einsum("ni,ni->n", q, rate)[:, None, None]
         spin = (2.0 * _matrix(q, rate) - rotation * n_rate) / n
         return Poses(y[:, :3], slope[:, :3] * self.total, rotation, spin * self.total)
@@ -141,6 +144,7 @@ class PoseSpline:
             u = s[begin : begin + _AT_ONCE + 1] * self.total
             middle = (u[1:] + u[:-1]) / 2.0
             at, between = (np.linalg.norm(self.spline.at(one)[1][:, :3], axis=1) for one in (u, middle))
+            # Integrate |p'| over each interval by Simpson's rule.
             way[begin + 1 : begin + len(u)] = np.diff(u) * (at[:-1] + 4.0 * between + at[1:]) / 6.0
         return s, np.cumsum(way)
 
@@ -151,20 +155,21 @@ class PoseSpline:
         farther out.
         """
         count = len(self.cells) - 1
+        # Each span has the same number of cells. The rows of `cells` are numbered along the whole curve.
         each = count // (len(self.spline.s) - 1)
         u = np.stack([low, high]) * self.total
         span = self.spline.span(u)
-        # The cells that contain `low` and `high`.
+        # Find the cells that contain `low` and `high`.
         share = (u - self.spline.s[span]) / (self.spline.s[span + 1] - self.spline.s[span])
         cell = np.clip(span * each + np.floor(share * each).astype(np.int64), 0, count - 1)
         # Include the neighbouring cells as well: the floor of a rounded quotient may be off by one.
         first, last = np.maximum(cell[0] - 1, 0), np.minimum(cell[1] + 2, count)
         most = _range_max(self.cells, first, last)
-        before, behind = _margins(self.spline)
+        before, after = _margins(self.spline)
         # Scale from u to s: the k-th derivative gets the factor u_total^k.
-        beyond = (u[0] < -before) | (u[1] > self.total + behind)
+        beyond = (u[0] < -before) | (u[1] > self.total + after)
         most = np.where(beyond[:, None, None], np.inf, most) * self.total ** np.arange(1.0, 5.0)[:, None]
-        # Sum of the jumps at the way-points between `low` and `high`, from the table of sums.
+        # Sum up the jumps at the waypoints between `low` and `high`, as a difference of two rows of `jumps`.
         knot = (
             np.searchsorted(self.spline.s, u[0], side="left"),
             np.searchsorted(self.spline.s, u[1], side="right"),
@@ -203,18 +208,23 @@ class PoseSpline:
 
 
 _AT_ONCE = 8_192
-"""Points of a curve that are computed between two checks for cancellation, about 10 ms."""
+"""Number of points of a curve that are computed between two checks for cancellation. Computing them takes
+about 10 ms.
+"""
 
 BEYOND = 1e-3
-"""Margin beyond the ends of a curve within which it is bounded, as a share of the whole."""
+"""Margin beyond both ends of a curve within which its derivatives are bounded, as a fraction of the curve's
+length.
+"""
 
 BEYOND_SHORT = 1e-4
-"""Least margin [m] at an end of a curve whose last span is short, unless `BEYOND` gives less: beyond an end,
-cubics grow without bound.
+"""The margin at an end of a curve is at most the length of the span at this end, or `BEYOND_SHORT` [m] if the
+span is shorter. It is limited because cubics grow without bound beyond an end.
 """
 
 BEYOND_LEAST, BEYOND_SPAN = 1e-5, 0.01
-"""Least margin [m] of a short curve, unless this share of the span at its end is less.
+"""The margin at an end of a curve is at least `BEYOND_LEAST` [m], or the fraction `BEYOND_SPAN` of the span
+at this end if that is less.
 
 A frame that speeds up from rest begins some micrometres before the path, however short the path is. A cubic
 hardly grows in a hundredth of its span.
@@ -244,7 +254,8 @@ def _quaternions(rotations: Array) -> Array:
     """
     r = rotations
     k = np.empty((len(r), 4, 4))
-    # The matrix K = [S - trace I, z; z', trace], with S = R + R' and z the vector of R's antisymmetric part.
+    # Build the matrix [S - trace I, z; z', trace], with S = R + R' (R' is the transpose), the trace of R, and
+    # the vector z of R - R'.
     k[:, :3, :3] = r + r.transpose(0, 2, 1)
     k[:, :3, :3] -= np.trace(r, axis1=1, axis2=2)[:, None, None] * np.eye(3)
     vee = np.stack(
@@ -259,6 +270,8 @@ def _quaternions(rotations: Array) -> Array:
 
 def _aligned(q: Array) -> Array:
     """Return the quaternions with signs such that each is as near as possible to the previous one."""
+    # q and -q are the same rotation: flip the sign of every quaternion that points away from the one before.
+    # The product of all flips so far is the sign of each.
     signs = np.where(np.einsum("ni,ni->n", q[1:], q[:-1]) < 0.0, -1.0, 1.0)
     aligned: Array = q * np.concatenate([[1.0], np.cumprod(signs)])[:, None]
     return aligned
@@ -271,7 +284,8 @@ def _matrix(a: Array, b: Array) -> Array:
     """
     v, w = a[..., :3], a[..., 3]
     x, y = b[..., :3], b[..., 3]
-    # R(q) |q|^2 = 2 v v' + (w^2 - |v|^2) I + 2 w [v]x, made bilinear in two quaternions.
+    # The form of a quaternion q = (v, w) with itself is 2 v v' + (w^2 - |v|^2) I + 2 w [v]x. Compute the
+    # symmetric bilinear form, which equals this for two equal quaternions.
     outer = v[..., :, None] * x[..., None, :]
     inner = w * y - np.einsum("...i,...i->...", v, x)
     cross = w[..., None] * x + y[..., None] * v
@@ -286,7 +300,8 @@ def _matrix(a: Array, b: Array) -> Array:
 def _cells(spline: NaturalSpline) -> Array:
     """Bound the first four derivatives over u of position and rotation on the cells of all spans (K, 4, 2).
 
-    All spans have the same number of cells. The cells at the ends of the curve reach a little beyond them.
+    All spans have the same number of cells. The first and the last cell also cover a margin beyond the ends
+    of the curve.
     """
     spans = len(spline.s) - 1
     each = min(CELLS, max(FEWEST_CELLS, CELLS_IN_ALL // spans))
@@ -296,30 +311,30 @@ def _cells(spline: NaturalSpline) -> Array:
 
 
 def _cells_of(spline: NaturalSpline, first: int, last: int, each: int) -> Array:
-    """Bound the derivatives as `_cells` does, on `each` cells of the spans `first` up to `last`
-    (excluded).
+    """Bound the derivatives as `_cells` does, for the spans `first` up to `last` (excluded), with `each`
+    cells per span.
     """
     go_on()
     widths = np.diff(spline.s[first : last + 1])
     edge = np.arange(each + 1) / each
     start = np.tile(edge[:-1], (len(widths), 1))
     width = np.full((len(widths), each), 1.0 / each)
-    before, behind = _margins(spline)
+    before, after = _margins(spline)
     # The cells at both ends of the curve also cover twice the margins beyond it, because of rounding.
     if first == 0:
         start[0, 0] -= 2.0 * before / widths[0]
         width[0, 0] += 2.0 * before / widths[0]
     if last == len(spline.s) - 1:
-        width[-1, -1] += 2.0 * behind / widths[-1]
+        width[-1, -1] += 2.0 * after / widths[-1]
     u0 = start * widths[:, None]
     size = (width * widths[:, None])[:, :, None]
     chord = widths[:, None]
     y, b0, b1 = spline.y[first : last + 1], spline.bend[first:last], spline.bend[first + 1 : last + 1]
     slope = np.diff(y, axis=0) / chord - chord * (2.0 * b0 + b1) / 6.0
-    # Coefficients of the cubic on each span, by its values and second derivatives at both ends.
+    # The values and second derivatives at both ends of a span determine the coefficients of its cubic.
     power = np.stack([y[:-1], slope, b0 / 2.0, (b1 - b0) / chord / 6.0])[:, :, None]
     t = u0[:, :, None]
-    # Taylor coefficients of the cubics at the start of each cell, over the cell scaled to [0, 1].
+    # Expand the cubics at the start of each cell, over a parameter that grows from 0 to 1 in the cell.
     local = np.stack(
         [
             power[0] + t * (power[1] + t * (power[2] + t * power[3])),
@@ -330,7 +345,8 @@ def _cells_of(spline: NaturalSpline, first: int, last: int, each: int) -> Array:
     ).reshape(4, -1, y.shape[1])
     size = size.reshape(-1)
     q = local[..., 3:]
-    # Polynomials of degree 6 on each cell: n = |Q|^2 and M(Q), as products of the cubic Q with itself.
+    # On each cell, n = |Q|^2 and M(Q) (see the head of this module) are polynomials of degree 6: products of
+    # the cubic Q with itself.
     n, matrices = np.zeros((7, len(size))), np.zeros((7, len(size), 3, 3))
     for i in range(4):
         for k in range(4):
@@ -341,7 +357,8 @@ def _cells_of(spline: NaturalSpline, first: int, last: int, each: int) -> Array:
     n_top = [np.abs(_bernstein(_derivative(n[..., None], k))).max(axis=(0, 2)) for k in range(5)]
     m = matrices.reshape(7, -1, 9)
     m_top = [np.linalg.norm(_bernstein(_derivative(m, k)), axis=2).max(axis=0) for k in range(5)]
-    # Leibniz' rule for R n = M, solved for the k-th derivative of R. R itself has the Frobenius norm sqrt 3.
+    # Leibniz' rule for R n = M (see the head of this module) bounds the derivatives of R one after the other.
+    # The Frobenius norm of R itself is sqrt 3.
     bound = [np.full(len(size), np.sqrt(3.0))]
     with np.errstate(divide="ignore", invalid="ignore"):
         for k in range(1, 5):
@@ -350,7 +367,8 @@ def _cells_of(spline: NaturalSpline, first: int, last: int, each: int) -> Array:
     p = local[..., :3]
     cells = np.zeros((len(size), 4, 2))
     for k in range(1, 5):
-        # The fourth derivative of the position is zero. Scale from the cell's share back to u.
+        # The fourth derivative of the position is zero. Scale the derivatives from the cell's [0, 1] back to
+        # u.
         if k < 4:
             top = np.linalg.norm(_bernstein(_derivative(p, k)), axis=2).max(axis=0)
             cells[:, k - 1, 0] = top / size**k
@@ -362,11 +380,11 @@ def _margins(spline: NaturalSpline) -> tuple[float, float]:
     """Return the margins in u beyond both ends of a curve within which the bounds are valid."""
     first, last = float(spline.s[1] - spline.s[0]), float(spline.s[-1] - spline.s[-2])
     most = BEYOND * float(spline.s[-1])
-    before, behind = (
+    before, after = (
         max(min(most, max(span, BEYOND_SHORT)), min(BEYOND_LEAST, BEYOND_SPAN * span))
         for span in (first, last)
     )
-    return before, behind
+    return before, after
 
 
 def _derivative(power: Array, times: int) -> Array:
@@ -378,6 +396,8 @@ def _derivative(power: Array, times: int) -> Array:
 
 def _bernstein(power: Array) -> Array:
     """Return Bernstein coefficients on [0, 1] of polynomials with coefficients `power` (degree + 1, ...)."""
+    # The coefficients a_k of the powers give the coefficients of the Bernstein polynomials of degree n: b_i
+    # is the sum over k <= i of C(i, k) / C(n, k) a_k.
     degree = len(power) - 1
     matrix = np.array([[comb(i, k) / comb(degree, k) for k in range(degree + 1)] for i in range(degree + 1)])
     coefficients: Array = np.tensordot(matrix, power, 1)
@@ -385,16 +405,17 @@ def _bernstein(power: Array) -> Array:
 
 
 def _jumps(spline: NaturalSpline) -> Array:
-    """Return the jumps of the third derivatives of position and rotation at the way-points (m, 2).
+    """Return the jumps of the third derivatives of position and rotation at the waypoints (m, 2).
 
-    They are zero at the first and last way-point, beyond which the cubics continue.
+    They are zero at the first and last waypoint, beyond which the cubics continue.
     """
     third = np.diff(spline.bend, axis=0) / np.diff(spline.s)[:, None]
     jumps = np.zeros((len(spline.s), 2))
     step, q = np.diff(third, axis=0), spline.y[1:-1, 3:]
     jumps[1:-1, 0] = np.linalg.norm(step[:, :3], axis=1)
     n = np.einsum("ni,ni->n", q, q)[:, None, None]
-    # In the third derivative of R n = M, only terms with the third derivative of Q jump.
+    # Differentiate R n = M (see the head of this module) three times. Only terms with the third derivative of
+    # the quaternion Q jump.
     across = 2.0 * np.einsum("ni,ni->n", q, step[:, 3:])[:, None, None]
     turn = (2.0 * _matrix(q, step[:, 3:]) - _matrix(q, q) / n * across) / n
     jumps[1:-1, 1] = np.linalg.norm(turn, axis=(1, 2))
@@ -402,7 +423,8 @@ def _jumps(spline: NaturalSpline) -> Array:
 
 
 def _range_max(padded: Array, first: Rows, last: Rows) -> Array:
-    """Return the largest entries of a table's rows from `first` up to `last` (not included), for each pair.
+    """Return the largest entries in a table's rows from `first` up to `last` (not included), for each pair of
+    `first` and `last`.
 
     The table has one extra row at its end, so that `last` is always a valid row.
     """

@@ -19,7 +19,9 @@ from yarclang.robot.model import Array
 Rows = NDArray[np.int64]
 
 SMALLEST_CIRCLE = 1e-6
-"""Least distance of three points from each other [m], and from a line [rad], to define a circle."""
+"""Three points define a circle only if their distances from each other [m] exceed this, and if the sine of
+the angle at the first point exceeds it too.
+"""
 
 
 @frozen(eq=False)
@@ -101,11 +103,13 @@ class FramePaths(Protocol):
         ...
 
     def at(self, owner: Rows, s: Array) -> Poses:
-        """Return the points of the paths `owner` (N,) at `s` (N,)."""
+        """Return one point for each parameter in `s` (N,), on the path with the index in `owner` (N,)."""
         ...
 
     def bounds(self, owner: Rows, low: Array, high: Array) -> Bounds:
-        """Return bounds for the paths `owner` (P,) between `low` and `high` (P,)."""
+        """Return bounds of the derivatives between the parameters `low` and `high` (P,), each for the path
+        with the index in `owner` (P,).
+        """
         ...
 
     def project(
@@ -120,20 +124,20 @@ class FramePaths(Protocol):
             owner: (N,) path of each point.
             position: (C,) tolerance of the position [m], which weights the errors.
             angle: (C,) tolerance of the angle [rad], which weights the errors.
-            share: (N,) approximate share of the path length of the frame's origin before each point, if
-                known.
+            share: (N,) approximate fraction of the path length of the frame's origin that is covered at each
+                point, if known.
         """
         ...
 
 
 @frozen(eq=False)
 class Turns:
-    """C turns, each about a fixed axis and by at most half a turn.
+    """C rotations about fixed axes, each from an orientation R0 by an angle of at most pi.
 
     R(s) = R0 + sin(s theta) K R0 + (1 - cos(s theta)) K^2 R0 with K = [axis]x (Rodrigues).
 
     Attributes:
-        start: (C, 3, 3) rotations R0.
+        start: (C, 3, 3) orientations R0.
         axis: (C, 3) unit axes.
         theta: (C,) angles [rad].
         once: (C, 3, 3) K R0.
@@ -148,14 +152,15 @@ class Turns:
 
     @staticmethod
     def between(start: Array, goal: Array) -> Turns:
-        """Return the turns between rotations (C, 3, 3)."""
+        """Return the rotations from orientations `start` to orientations `goal`, (C, 3, 3) each."""
         axis, theta = axis_and_angle(goal @ start.transpose(0, 2, 1))
         spin = cross_matrix(axis)
         once = spin @ start
         return Turns(start, axis, theta, once, spin @ once)
 
     def at(self, owner: Rows, s: Array) -> tuple[Array, Array]:
-        """Return rotations and their derivatives over s, (N, 3, 3) each."""
+        """Return the orientations at `s` and their derivatives over s, (N, 3, 3) each."""
+        # Compute R(s) by Rodrigues' formula, and its derivative over s.
         theta = self.theta[owner]
         phi = s * theta
         sin, cos = np.sin(phi)[:, None, None], np.cos(phi)[:, None, None]
@@ -164,25 +169,29 @@ class Turns:
         return rotation, theta[:, None, None] * (cos * once + sin * twice)
 
     def bounds(self, owner: Rows) -> Array:
-        """Return bounds (P, 4) of the derivatives: sqrt 2 theta^k for a turn about a fixed axis."""
+        """Return bounds (P, 4) of the Frobenius norms of the rotation's first four derivatives over s: sqrt 2
+        theta^k for the k-th one, as the axis is fixed.
+        """
         bounds: Array = np.sqrt(2.0) * self.theta[owner, None] ** np.arange(1.0, 5.0)
         return bounds
 
     def turned(self, rotation: Array, owner: Rows) -> Array:
-        """Return the angle (N,) [rad] of the turn that comes nearest to `rotation` (N, 3, 3)."""
+        """Return the angles (N,) [rad] by which to turn from the start about the fixed axis to come nearest
+        to `rotation` (N, 3, 3).
+        """
         return _angle_about(rotation @ self.start.transpose(0, 2, 1)[owner], self.axis[owner])
 
 
 @frozen(eq=False)
 class Lines:
-    """C straight lines of moving frames, each with a turn about a fixed axis.
+    """C straight lines of moving frames, each with a rotation about a fixed axis.
 
     Attributes:
         flange_from_moving: (C, 4, 4) moving frames, relative to the flange.
         goal: (C, 4, 4) goals.
         origin: (C, 3) start points [m].
         way: (C, 3) vectors from start to goal [m].
-        turns: the turns.
+        turns: the rotations.
     """
 
     flange_from_moving: Array
@@ -203,7 +212,7 @@ class Lines:
         return np.ones(len(self.way), dtype=np.bool_)
 
     def at(self, owner: Rows, s: Array) -> Poses:
-        """Return the points of the lines `owner` (N,) at `s` (N,)."""
+        """Return one point for each parameter in `s` (N,), on the line with the index in `owner` (N,)."""
         way = self.way[owner]
         return Poses(self.origin[owner] + s[:, None] * way, way, *self.turns.at(owner, s))
 
@@ -221,15 +230,15 @@ class Lines:
         angle: Array,
         share: Array | None = None,  # noqa: ARG002 - a closed form needs no guess
     ) -> tuple[Array, Array]:
-        """Choose s by least squares of both errors, each divided by its tolerance."""
+        """Choose s by least squares of the errors of position and rotation, each divided by its tolerance."""
         turns = self.turns
         pull = self.way / position[:, None] ** 2
         twist_pull = turns.axis * (turns.theta / angle**2)[:, None]
         norm = (np.linalg.norm(self.way, axis=1) / position) ** 2 + (turns.theta / angle) ** 2
         norm[norm == 0.0] = np.inf  # the frame does not move: s = 0
         offset = motion.p - self.origin[owner]
-        # Projection onto the line in a space with one more coordinate, the turn; both are in units of their
-        # tolerance.
+        # Project the pose onto the line in a space with one more coordinate, the angle of rotation. Both are
+        # in units of their tolerance.
         strength = turns.theta[owner] / angle[owner] ** 2
         s = np.einsum("ni,ni->n", offset, pull[owner]) + turns.turned(motion.rotation, owner) * strength
         rate = np.einsum("ni,ni->n", motion.velocity, pull[owner])
@@ -239,7 +248,8 @@ class Lines:
 
 @frozen(eq=False)
 class Arcs:
-    """C circular arcs of moving frames, each with a turn about a fixed axis in proportion to the arc length.
+    """C circular arcs of moving frames, each with a rotation about a fixed axis in proportion to the arc
+    length.
 
     Attributes:
         flange_from_moving: (C, 4, 4) moving frames, relative to the flange.
@@ -249,7 +259,7 @@ class Arcs:
         spoke: (C, 3) vectors from the centre to the start [m].
         side: (C, 3) normal x spoke [m].
         sweep: (C,) angles of the arcs [rad].
-        turns: the turns.
+        turns: the rotations.
         lawful: (C,) True for each arc whose points define a circle.
     """
 
@@ -273,7 +283,8 @@ class Arcs:
         lawful = (sides.min(axis=0) > SMALLEST_CIRCLE) & (area > SMALLEST_CIRCLE * sides[0] * sides[1])
         safe = np.where(lawful, area, 1.0)[:, None]
         normal = across / safe
-        # The centre has equal distances from all three points: Cramer's rule in the plane of a and b.
+        # Let a and b be the vectors from the start to the via point and to the goal. The centre has equal
+        # distances from all three points; Cramer's rule gives it in the plane of a and b.
         square_a, square_b = (a * a).sum(axis=1)[:, None], (b * b).sum(axis=1)[:, None]
         middle = (square_a * np.cross(b, normal) + square_b * np.cross(normal, a)) / (2.0 * safe)
         spoke = -middle
@@ -286,7 +297,7 @@ class Arcs:
         return Arcs(flange_from_moving, goal, centre, normal, spoke, side, sweep, turns, lawful)
 
     def at(self, owner: Rows, s: Array) -> Poses:
-        """Return the points of the arcs `owner` (N,) at `s` (N,)."""
+        """Return one point for each parameter in `s` (N,), on the arc with the index in `owner` (N,)."""
         sweep = self.sweep[owner]
         phi = (s * sweep)[:, None]
         spoke, side = self.spoke[owner], self.side[owner]
@@ -295,7 +306,9 @@ class Arcs:
         return Poses(self.centre[owner] + cos * spoke + sin * side, along, *self.turns.at(owner, s))
 
     def bounds(self, owner: Rows, low: Array, high: Array) -> Bounds:  # noqa: ARG002 - for any s
-        """Return bounds of the derivatives that are valid for any s: radius times sweep^k."""
+        """Return bounds of the derivatives, which are valid for any s: radius times sweep^k for the k-th
+        derivative of the position.
+        """
         radius = np.linalg.norm(self.spoke, axis=1)[owner, None]
         position = radius * self.sweep[owner, None] ** np.arange(1.0, 5.0)
         return Bounds(position, self.turns.bounds(owner), everywhere=True)
@@ -308,12 +321,13 @@ class Arcs:
         angle: Array,
         share: Array | None = None,
     ) -> tuple[Array, Array]:
-        """Choose s for each point of an executed motion, as the weighted mean of s by position and s by turn.
+        """Choose s for each point of an executed motion, as the weighted mean of the s that fits the position
+        and the s that fits the rotation.
 
-        The weights are the squared lengths of arc and turn, each in units of its tolerance.
+        The weights are the squared lengths of the arc and of the rotation, each in units of its tolerance.
         """
         turns = self.turns
-        # Squared lengths of the arc and of the turn, each in units of its tolerance.
+        # Compute the squared lengths of the arc and of the rotation, each in units of its tolerance.
         square = np.einsum("ci,ci->c", self.spoke, self.spoke)
         weight = square * (self.sweep / position) ** 2
         turn_weight = (turns.theta / angle) ** 2
@@ -322,9 +336,10 @@ class Arcs:
         x = np.einsum("ni,ni->n", offset, self.spoke[owner])
         y = np.einsum("ni,ni->n", offset, self.side[owner])
         phi = _unwrapped(np.arctan2(y, x), owner)
-        # The rate of the angle about the axis: (n x offset) . v / |offset|^2.
+        # The angle about the axis n changes at the rate (n x offset) . v / |offset|^2.
         tangent = np.cross(self.normal[owner], offset)
-        # Squared distance from the axis, in units of the radius squared.
+        # Both `x` and `y` are coordinates times the radius. Divide by its square to get the squared distance
+        # from the axis.
         reach = np.maximum((x * x + y * y) / np.maximum(square[owner], 1e-300), 1e-300)
         phi_rate = np.einsum("ni,ni->n", motion.velocity, tangent) / reach
         share = np.where(self.lawful, weight / norm / np.where(self.lawful, self.sweep, 1.0), 0.0)
@@ -339,6 +354,7 @@ def _unwrapped(angle: Array, owner: Rows) -> Array:
     """Return angles (N,) without jumps by full turns; the first of each path is in [-pi / 2, 3 pi / 2)."""
     first = np.flatnonzero(np.diff(owner, prepend=-1))
     smooth = np.unwrap(angle)
+    # Count the full turns by which the first angle of each path is outside of [-pi / 2, 3 pi / 2).
     whole = np.floor((smooth[first] + np.pi / 2.0) / (2.0 * np.pi)) * 2.0 * np.pi
     count = np.diff(np.append(first, len(angle)))
     flat: Array = smooth - np.repeat(whole, count)
@@ -346,10 +362,11 @@ def _unwrapped(angle: Array, owner: Rows) -> Array:
 
 
 def _angle_about(rotation: Array, axis: Array) -> Array:
-    """Return the angle (N,) [rad] of the turn about `axis` (N, 3) that is nearest to `rotation` (N, 3, 3).
+    """Return the angle (N,) [rad] of the rotation about `axis` (N, 3) that is nearest to `rotation` (N, 3,
+    3).
 
-    "Nearest" is in the Frobenius norm. The trace of R' turn(angle) is largest for tan(angle) =
-    (axis . vee) / (trace R - axis' R axis).
+    "Nearest" is in the Frobenius norm. With vee the vector of R - R' (R' is the transpose), the trace of
+    R' turn(angle) is largest for tan(angle) = (axis . vee) / (trace R - axis' R axis).
     """
     along = np.einsum("ni,nij,nj->n", axis, rotation, axis)
     across = np.trace(rotation, axis1=1, axis2=2) - along

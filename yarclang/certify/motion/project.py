@@ -14,13 +14,16 @@ from yarclang.progress import go_on
 from yarclang.robot.model import Array
 
 _STIFFNESS = 1e-3
-"""Weight of third differences of s, relative to the curve's pace."""
+"""Weight of the third differences of s in the least squares (see `project`), relative to the typical |y'(s)|
+of the curve.
+"""
 _PLACES, _BETWEEN = 1024, 4
-"""Number of equal intervals in a table of a curve's length; least number between two way-points."""
+"""Number of equal intervals in a table of a curve's length; least number of intervals between two waypoints.
+"""
 _AT_ONCE = 8_192
-"""Points of a curve that are computed in one step."""
+"""Number of points of a curve that are computed in one step."""
 _ROUNDS = 5
-"""Gauss-Newton iterations."""
+"""Number of Gauss-Newton iterations."""
 
 
 class Curve(Protocol):
@@ -49,8 +52,8 @@ def project(curve: Curve, y: Array, rate: Array, guess: Array, pace: float, d: A
     """
     from scipy.linalg import solveh_banded
 
-    # Normal equations of Gauss-Newton: y' y' on the diagonal, plus the matrix of squared third differences,
-    # which has three more bands.
+    # The normal equations of Gauss-Newton have the squares of y' on the diagonal, plus the matrix of squared
+    # third differences, which has three more bands.
     stiffness = (_STIFFNESS * pace) ** 2
     bands = _third_differences(len(guess)) * stiffness
     s = guess
@@ -63,8 +66,8 @@ def project(curve: Curve, y: Array, rate: Array, guess: Array, pace: float, d: A
             pull[part] = ((y[part] - at) * slope).sum(axis=1)
         s = s + solveh_banded(system, pull - _times(bands, s), lower=True, check_finite=False)
     go_on()
-    # s' by least squares of the velocities; where y' vanishes, the stiffness leads to the difference
-    # quotient.
+    # Choose s' by least squares of the velocities. Where y' vanishes, the stiffness makes s' the difference
+    # quotient of s.
     about = np.gradient(s, np.concatenate([[0.0], np.cumsum(d)]))
     s_rate = np.empty(len(s))
     for part in _parts(len(s)):
@@ -75,7 +78,7 @@ def project(curve: Curve, y: Array, rate: Array, guess: Array, pace: float, d: A
 
 
 def _parts(count: int) -> Iterator[slice]:
-    """Yield slices that together cover `count` rows."""
+    """Yield slices of at most `_AT_ONCE` rows that together cover `count` rows."""
     for begin in range(0, count, _AT_ONCE):
         go_on()
         yield slice(begin, begin + _AT_ONCE)
@@ -87,6 +90,9 @@ def _third_differences(size: int) -> Array:
     bands = np.zeros((4, size))
     for band in range(4):
         for first in range(4 - band):
+            # Let D be the matrix of third differences. Entry (i, i + band) of D'D sums kernel[first]
+            # kernel[first + band] over the differences that contain both points; at the ends of the motion
+            # there are fewer differences.
             bands[band, first : size - 3 + first] += kernel[first] * kernel[first + band]
     return bands
 
@@ -119,7 +125,7 @@ def guess_by_length(
     Args:
         curve: the curve, from s = 0 to the last of `knots`.
         y: (N, m) points of the motion, in order of time.
-        knots: (k,) parameters of the curve's way-points, from 0 on.
+        knots: (k,) parameters of the curve's waypoints, from 0 on.
         free: first value True if a blend joins the curve after its start (in its first half), second value
             True if a blend leaves it before its end.
 
@@ -129,6 +135,8 @@ def guess_by_length(
     end = float(knots[-1])
     s = places_of(knots)
     lengths = table_of_lengths(curve, s)
+    # Sum up the polygon length of the motion up to each point. The guess is the point of the curve at the
+    # same fraction of the curve's length.
     run = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(y, axis=0), axis=1))])
     first, last = 0.0, lengths[-1]
     # A motion that joins the curve late begins at the nearest place in the first half; one that leaves it
@@ -143,9 +151,9 @@ def guess_by_length(
 
 
 def places_of(knots: Array) -> Array:
-    """Return parameters (N,) at which the points of a curve show its shape, for way-points at `knots` (k,).
+    """Return parameters (N,) at which the points of a curve show its shape, for waypoints at `knots` (k,).
 
-    The parameters are equally spaced. If there are many way-points, some parameters between each two of them
+    The parameters are equally spaced. If there are many waypoints, some parameters between each two of them
     are added.
     """
     s = np.linspace(0.0, float(knots[-1]), _PLACES + 1)

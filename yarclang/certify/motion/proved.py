@@ -20,8 +20,8 @@ class Proofs:
     """Proved deviations and speeds of all motions, with the paths that the proofs are about.
 
     Attributes:
-        starts: where each motion starts.
-        flows: how the motions flow into each other.
+        starts: the start point of each motion's programmed path.
+        flows: the blends between motions, and the segments that follow each path.
         covered: (P, 2) for each motion, the range of the path parameter that was followed.
         deviations: the deviations by step.
         speeds: speeds of moving frames by step.

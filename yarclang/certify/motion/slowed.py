@@ -1,7 +1,7 @@
 """Warnings about programmed speeds that are not reached.
 
 There is one warning for each run of consecutive motions in a chain that don't reach their speed. It names the
-slowest motion, and the limit that is used up there.
+slowest of these motions, and the limit that this motion uses up.
 """
 
 from __future__ import annotations
@@ -16,10 +16,12 @@ from yarclang.hir import Origin
 from yarclang.written import slower
 
 TOLD = 0.99
-"""Share of a programmed speed above which there is no warning: rounded corners cost a little speed."""
+"""If a motion reaches more than this fraction of its programmed speed, there is no warning: rounded corners
+cost a little speed.
+"""
 
 _USED_UP = 0.85
-"""Least share of a limit, at the slowest place, that makes this limit the reason."""
+"""A limit counts as the reason if the slowest motion uses at least this fraction of it."""
 
 _KINDS: dict[Quantity, str] = {
     "velocity": "velocity",
@@ -40,8 +42,8 @@ def slowed(
     Args:
         layout: the commands of the controller text.
         speeds: proved speeds by step.
-        shares: function that takes a step and returns the share of its programmed speed that it must reach.
-        loads: loads (shares of the limits that are used) by step.
+        shares: function that returns, for a step, the fraction of its programmed speed that it must reach.
+        loads: loads by step: the fractions of the limits that are used.
     """
 
     def share_of(place: Place) -> float:
@@ -49,21 +51,21 @@ def slowed(
         if speed is None or math.isnan(speed.programmed):
             return 1.0
         claimed = shares(place.step)
-        # The proved share may be larger than the claimed one.
+        # The proved fraction may be larger than the claimed one.
         proved = claimed * speed.least / speed.programmed
         return min(proved, 1.0) if proved > claimed else claimed
 
-    found = []
+    warnings = []
     for stretch in _stretches(layout):
-        told = [share_of(place) for place in stretch]
-        first, last = _between_ramps(stretch, told)
-        for begin, end in _regions(told, first, last):
-            at = min(range(begin, end), key=told.__getitem__)
+        reached = [share_of(place) for place in stretch]
+        first, last = _between_ramps(stretch, reached)
+        for begin, end in _regions(reached, first, last):
+            at = min(range(begin, end), key=reached.__getitem__)
             place, others = stretch[at], None
             if end - begin > 1:
                 others = stretch[begin].motion.origin, stretch[end - 1].motion.origin
-            found.append(_warning(place.motion.origin, told[at], others, loads.get(place.step)))
-    return grouped(found)
+            warnings.append(_warning(place.motion.origin, reached[at], others, loads.get(place.step)))
+    return grouped(warnings)
 
 
 def _stretches(layout: Layout) -> Iterator[list[Place]]:
@@ -83,17 +85,17 @@ def _stretches(layout: Layout) -> Iterator[list[Place]]:
 def _between_ramps(stretch: list[Place], shares: list[float]) -> tuple[int, int]:
     """Return the range of motions between the ramps (speeding up, slowing down) of a stretch.
 
-    A ramp counts only if it takes several motions.
+    A ramp counts only if it extends over several motions.
     """
     first, last = 0, len(stretch)
     if max(shares) <= TOLD:
         return first, last
-    # A ramp consists of motions without blends whose speeds grow towards the cruise.
+    # A ramp consists of motions without blends whose speeds grow towards the cruise speed.
     while shares[first] <= TOLD and stretch[first].behind == 0 and shares[first + 1] >= shares[first]:
         first += 1
     while shares[last - 1] <= TOLD and stretch[last - 1].before == 0 and shares[last - 2] >= shares[last - 1]:
         last -= 1
-    # A slow part that does not lead to full speed is not a ramp.
+    # Slow motions that are not followed (or preceded) by motions at full speed are not a ramp.
     return (first if shares[first] > TOLD else 0), (last if shares[last - 1] > TOLD else len(stretch))
 
 
@@ -122,17 +124,18 @@ def _warning(
         why = f", where {used[kind].name} uses {used[kind].share:.0%} of its limit of {_KINDS[kind]}"
     if others is None:
         message = (
-            "the limits leave no room to get to this speed on this way: "
-            f"the moving frame goes at {share * 100:.3g} % of it{why}"
+            f"the limits don't allow this speed on this path: the moving frame reaches {share * 100:.3g} % "
+            f"of it{why}"
         )
-        help_ = f"{text} is reached; a longer way, gentler corners and larger blends make room"
+        help_ = f"write {text}, which is reached, or use a longer path, gentler corners or larger blends"
     else:
         first, last = (one.label or one.name for one in others)
         message = (
-            f"the limits leave no room to keep this speed from {first} to {last}: "
-            f"the moving frame goes at {share * 100:.3g} % of it here, where it is slowest{why}"
+            f"the limits don't allow this speed from {first} to {last}: the moving frame slows down to "
+            f"{share * 100:.3g} % of it here{why}"
         )
-        help_ = f"{text} is kept; gentler corners, larger blends and a larger TOL make room"
+        # At another speed the corners are rounded in another way, so this speed isn't certain to be held.
+        help_ = f"use gentler corners, larger blends or a larger TOL, or write {text} and check again"
         fix = None
     span = origin.time_span or origin.span
     return Diagnostic("Y0610", message, origin.source, span, help_, fix, origin.place)

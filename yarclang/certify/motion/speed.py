@@ -13,7 +13,9 @@ from yarclang.robot.model import Array
 KEPT = 1e-3
 """Largest relative deviation of the cruise speed from the programmed one."""
 SHARP = 1e-4
-"""Share of a programmed speed by which its bounds may be off. It determines the number of pieces."""
+"""Largest error of the bounds of a speed, as a fraction of the programmed speed. It determines the number of
+pieces.
+"""
 MOST_PIECES = 32
 
 _LEFT = np.array([[1, 0, 0, 0, 0], [8, 8, 0, 0, 0], [4, 8, 4, 0, 0], [2, 6, 6, 2, 0], [1, 4, 6, 4, 1]]) / [
@@ -35,13 +37,13 @@ class Programmed:
     Speeds are those of the frame's origin [m/s], or, with `turns`, angular speeds [rad/s].
 
     Attributes:
-        cruise: (C,) least allowed speed from when it is first reached to when it is last left; NaN if none is
-            programmed.
+        cruise: (C,) least allowed speed from the instant at which it is first reached to the instant at which
+            it is last left; NaN if no speed is programmed.
         top: (C,) largest allowed speed; NaN if none is programmed.
         turns: (C,) True if the path only turns the frame.
         around: (C, 2) largest allowed speed in the blend before the command and in the blend after it.
-        held: (C, 2) True in the first column if the motion must have its speed from its start, and in the
-            second column if up to its end.
+        held: (C, 2) True in the first column if the motion must have its speed from its start on, and in the
+            second column if it must keep its speed up to its end.
     """
 
     cruise: Array
@@ -56,15 +58,15 @@ class Speeds:
     """Proved bounds of the speeds of C commands.
 
     Speeds are those of the frame's origin [m/s], or, with `turns`, angular speeds [rad/s]. `least` and `most`
-    cover the time from when the cruise speed is first reached to when it is last left; they are NaN if it is
-    never reached.
+    cover the time from when the cruise speed is first reached to when it is last left. They are NaN if the
+    cruise speed is never reached.
 
     Attributes:
         turns: (C,) True if the path only turns the frame.
         programmed: (C,) programmed cruise speeds.
         largest: (C,) largest speeds.
-        least: (C,) least speeds during this time.
-        most: (C,) largest speeds during this time.
+        least: (C,) least speeds during the time described above.
+        most: (C,) largest speeds during the time described above.
         beyond: (C,) largest ratios of the speed to the allowed speed; at most 1 + `KEPT` if no speed is
             exceeded.
     """
@@ -130,9 +132,11 @@ def _rate_bounds(x: Array, rate: Array, left: Rows, d: Array, fourth: Array) -> 
     parabola has degree 4, and its five Bernstein coefficients bound it.
     """
     v0, v1 = rate[left], rate[left + 1]
-    # Bezier points v0, middle, v1 of the Hermite cubic's velocity; their mean is the difference quotient.
+    # The velocity of the Hermite cubic is a parabola with the Bezier points v0, middle and v1. Their mean is
+    # the difference quotient of x.
     middle = 3.0 * (x[left + 1] - x[left]) / d[:, None] - v0 - v1
-    # Bernstein coefficients of the square of a quadratic Bezier curve (product of two Bernstein polynomials).
+    # Compute the five Bernstein coefficients of the parabola's squared length, from the products of its
+    # Bezier points.
     squares = np.stack(
         [
             _dot(v0, v0),
@@ -142,7 +146,7 @@ def _rate_bounds(x: Array, rate: Array, left: Rows, d: Array, fourth: Array) -> 
             _dot(v1, v1),
         ]
     )
-    # The coefficients of the four quarters are closer to a speed that changes much.
+    # If the speed changes much, the coefficients of the four quarters give sharper bounds.
     squares = _QUARTERS @ squares
     rest = HERMITE_RATE * d**3 * fourth
     low = np.maximum(np.sqrt(np.maximum(squares.min(axis=0), 0.0)) - rest, 0.0)
@@ -172,10 +176,10 @@ def judged(low: Array, high: Array, command: Rows, segment: Rows, follow: Rows, 
     largest[command[begins]] = segment_max(high, begins)
     ends = np.append(begins[1:], len(command))
     cruise, top = wanted.cruise[command], wanted.top[command]
-    # Outside of blends the motion's own limit applies, in a blend that of the faster motion.
-    before, behind = segment < follow[command, 0], segment >= follow[command, 1]
-    allowed = np.where(before, wanted.around[command, 0], np.where(behind, wanted.around[command, 1], top))
-    inside = ~before & ~behind
+    # Outside of blends, the limit is that of the motion itself; in a blend, it is that of the faster motion.
+    before, after = segment < follow[command, 0], segment >= follow[command, 1]
+    allowed = np.where(before, wanted.around[command, 0], np.where(after, wanted.around[command, 1], top))
+    inside = ~before & ~after
     with np.errstate(invalid="ignore"):
         beyond_it = segment_max(high / allowed, begins)
         kept = inside & (low >= cruise * (1.0 - KEPT)) & (high <= top * (1.0 + KEPT))
@@ -186,22 +190,23 @@ def judged(low: Array, high: Array, command: Rows, segment: Rows, follow: Rows, 
     sizes = ends - begins
     since = np.where(wanted.held[command, 0], 0, np.repeat(first, sizes))
     until = np.where(wanted.held[command, 1], len(command), np.repeat(last, sizes))
+    # Select the pieces on which the motion must hold its programmed speed.
     between = inside & (place >= since) & (place <= until)
     slowest = np.minimum.reduceat(np.where(between, low, np.inf), begins)
     fastest = segment_max(np.where(between, high, -np.inf), begins)
     is_inside, is_kept = np.logical_or.reduceat(inside, begins), last >= 0
-    for row, own in enumerate(command[begins].tolist()):
-        if not np.isfinite(wanted.cruise[own]):
+    for row, index in enumerate(command[begins].tolist()):
+        if not np.isfinite(wanted.cruise[index]):
             continue
-        beyond[own] = beyond_it[row]
+        beyond[index] = beyond_it[row]
         if not is_inside[row]:
-            least[own] = most[own] = wanted.cruise[own]  # the whole command consists of blends
+            least[index] = most[index] = wanted.cruise[index]  # the whole command consists of blends
         elif is_kept[row]:
-            least[own], most[own] = slowest[row], fastest[row]
+            least[index], most[index] = slowest[row], fastest[row]
         else:
-            own_pieces = begins[row] + np.flatnonzero(inside[begins[row] : ends[row]])
-            least[own], most[own] = _for_an_instant(
-                low[own_pieces], high[own_pieces], wanted.cruise[own], wanted.held[own]
+            outside = begins[row] + np.flatnonzero(inside[begins[row] : ends[row]])
+            least[index], most[index] = _for_an_instant(
+                low[outside], high[outside], wanted.cruise[index], wanted.held[index]
             )
     return Speeds(wanted.turns, wanted.cruise, largest, least, most, beyond)
 

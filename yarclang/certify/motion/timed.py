@@ -3,8 +3,8 @@
 The timetable defines a polynomial in time between two rows, and each segment of the controller text is a
 polynomial too. On an interval without a row or a knot inside, their difference is therefore a polynomial, and
 its Bezier points bound it; nothing is sampled. If the bound exceeds the allowed deviation, the interval is
-halved, which makes the bound sharper, unless the difference itself already exceeds the allowed deviation at
-an end.
+halved, which makes the bound sharper. It is not halved if the difference itself exceeds the allowed deviation
+at an end of the interval.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ HALVINGS = 8
 """Largest number of times that an interval is halved."""
 
 _SAME = 1e-9
-"""Rounding of positions [rad or m]."""
+"""Excess over the allowed deviation that counts as rounding [rad or m]."""
 
 
 @frozen(eq=False)
@@ -48,7 +48,9 @@ class Way:
 
 
 def programmed(table: hir.Timetable, stands: Array) -> Way:
-    """Return the motion of a timetable for a robot that starts at `stands` (n,) [rad or m]."""
+    """Return the motion of a timetable for a robot that is at the joint positions `stands` (n,) [rad or m] at
+    first.
+    """
     rows = slice(int(table.begins), None)
     times = np.concatenate(([0.0], table.times[rows]))
     q = np.vstack((stands, table.positions[rows]))
@@ -59,7 +61,8 @@ def programmed(table: hir.Timetable, stands: Array) -> Way:
     else:
         v = np.vstack((rest, table.velocities[rows]))
     if table.accelerations is None:
-        # A cubic's second Bezier point is a third of the interval along the tangent; likewise at the end.
+        # The two inner Bezier points of a cubic are on the tangents at its ends, a third of the interval
+        # away.
         of_cubic = (q[:-1], q[:-1] + v[:-1] * h / 3.0, q[1:] - v[1:] * h / 3.0, q[1:])
         return Way(times, np.stack(of_cubic, axis=1))
     first = table.accelerations[:1] if table.begins else rest
@@ -86,8 +89,9 @@ def _velocities_of_clamped(h: Array, q: Array) -> Array:
     """
     from scipy.linalg import solve_banded
 
-    # The second derivatives M satisfy h M + 2 (h + h') M' + h' M'' = 6 (slope' - slope). At both ends, the
-    # row contains only one interval, and the outer slope is the given velocity, zero.
+    # Let h and h' be the durations of neighbouring intervals, and M, M', M'' the second derivatives at their
+    # three ends. Then h M + 2 (h + h') M' + h' M'' = 6 (slope' - slope). At both ends of the table, the row
+    # contains only one interval, and the outer slope is the given velocity, zero.
     slope = np.diff(q, axis=0) / h[:, None]
     right = 6.0 * np.diff(np.vstack((np.zeros((1, q.shape[1])), slope, np.zeros((1, q.shape[1])))), axis=0)
     band = np.zeros((3, len(q)))
@@ -96,7 +100,8 @@ def _velocities_of_clamped(h: Array, q: Array) -> Array:
     band[1, 1:] += 2.0 * h
     bend = solve_banded((1, 1), band, right, check_finite=False)
     v = np.zeros_like(q)
-    # The velocity at the end of an interval with the slope s: s + h (M + 2 M') / 6.
+    # At the end of an interval with the mean slope s, and the second derivatives M and M' at its ends, the
+    # velocity is s + h (M + 2 M') / 6.
     v[1:] = slope + h[:, None] * (bend[:-1] + 2.0 * bend[1:]) / 6.0
     v[-1] = 0.0
     return v
@@ -115,14 +120,16 @@ def largest_difference(cubics: Cubics, way: Way, allowed: Array) -> tuple[Array,
         [s].
     """
     knots = np.concatenate(([0.0], np.cumsum(cubics.h)))
+    # Scale the table's times so that its last row falls on the last knot.
     rows = way.times * (knots[-1] / way.times[-1])
     rows[-1] = knots[-1]
-    # Intervals without a knot or a row inside: both motions are single polynomials there.
+    # Form intervals without a knot or a row inside: on each, both motions are single polynomials.
     times = np.unique(np.concatenate((knots, rows)))
     begin, end = times[:-1], times[1:]
     middle = (begin + end) / 2.0
     segment = np.clip(np.searchsorted(knots, middle, side="right") - 1, 0, len(cubics.h) - 1)
     piece = np.clip(np.searchsorted(rows, middle, side="right") - 1, 0, len(way.bezier) - 1)
+    # Compute the Bezier points of both motions on each interval.
     executed = _part(_bezier_of(cubics)[segment], *_shares(knots, segment, begin, end))
     asked = _part(way.bezier[piece], *_shares(rows, piece, begin, end))
     go_on()
@@ -132,34 +139,35 @@ def largest_difference(cubics: Cubics, way: Way, allowed: Array) -> tuple[Array,
     off = executed - asked
     most, when = np.zeros(off.shape[2]), np.zeros(off.shape[2])
     for _ in range(HALVINGS + 1):
+        # A polynomial stays in the convex hull of its Bezier points.
         hull = np.abs(off).max(axis=1)
         # If the curve is too far off at an end of the interval, a sharper bound changes nothing.
         is_beyond = (np.abs(off[:, [0, -1]]) > allowed).any(axis=(1, 2))
-        far = (hull > allowed).any(axis=1) & ~is_beyond
+        unsettled = (hull > allowed).any(axis=1) & ~is_beyond
         is_last = _ == HALVINGS
-        near = hull if is_last else hull[~far]
+        near = hull if is_last else hull[~unsettled]
         if len(near):
             at = np.argmax(near, axis=0)
-            own = near[at, np.arange(near.shape[1])]
-            starts = begin if is_last else begin[~far]
-            when = np.where(own > most, starts[at], when)
-            most = np.maximum(most, own)
-        if is_last or not far.any():
+            bound = near[at, np.arange(near.shape[1])]
+            starts = begin if is_last else begin[~unsettled]
+            when = np.where(bound > most, starts[at], when)
+            most = np.maximum(most, bound)
+        if is_last or not unsettled.any():
             break
-        left, right = _halves(off[far])
-        half = (begin[far] + end[far]) / 2.0
+        left, right = _halves(off[unsettled])
+        half = (begin[unsettled] + end[unsettled]) / 2.0
         off = np.concatenate((left, right))
-        begin, end = np.concatenate((begin[far], half)), np.concatenate((half, end[far]))
+        begin, end = np.concatenate((begin[unsettled], half)), np.concatenate((half, end[unsettled]))
     return most, when
 
 
 def _shares(borders: Array, number: Array, begin: Array, end: Array) -> tuple[Array, Array]:
-    """Return where intervals begin and end in the pieces that contain them, as shares (N,) of each piece.
+    """Return the starts and the ends (N,) of intervals as fractions of the pieces that contain them.
 
     Args:
         borders: (k + 1,) borders of the pieces [s].
         number: (N,) piece that contains each interval.
-        begin: (N,) begin of each interval [s].
+        begin: (N,) start of each interval [s].
         end: (N,) end of each interval [s].
     """
     start = borders[number]
@@ -177,17 +185,18 @@ def _bezier_of(cubics: Cubics) -> Array:
 
 
 def _part(bezier: Array, begin: Array, end: Array) -> Array:
-    """Return the Bezier points (N, d + 1, n) of a part of each polynomial, between two shares (N,).
+    """Return the Bezier points (N, d + 1, n) of a part of each polynomial, from `begin` to `end` (N,), which
+    are fractions of the polynomial's interval.
 
     The method is de Casteljau's.
     """
     left = bezier.copy()
     u = end[:, None, None]
-    for level in range(1, bezier.shape[1]):  # the part before `end`
+    for level in range(1, bezier.shape[1]):  # keep the part before `end`
         left[:, level:] = left[:, level - 1 : -1] * (1.0 - u) + left[:, level:] * u
     with np.errstate(invalid="ignore", divide="ignore"):
         u = np.where(end > 0.0, begin / end, 0.0)[:, None, None]
-    for level in range(1, bezier.shape[1]):  # of this, the part after `begin`
+    for level in range(1, bezier.shape[1]):  # then keep the section of this part after `begin`
         left[:, : bezier.shape[1] - level] = (
             left[:, : bezier.shape[1] - level] * (1.0 - u) + left[:, 1 : bezier.shape[1] - level + 1] * u
         )
@@ -210,9 +219,8 @@ def _halves(bezier: Array) -> tuple[Array, Array]:
 
 
 def timed_tolerance(motion: hir.TimedMove, robot: Robot) -> Tolerance:
-    """Return the tolerance of a timed motion for prismatic and for revolute joints.
-
-    It is the largest allowed deviation (`within`) of the prismatic joints, and that of the revolute joints.
+    """Return the tolerance of a timed motion. Its position is the largest allowed deviation (`within`) of the
+    prismatic joints [m], its angle that of the revolute joints [rad].
     """
     position, angle = by_kind(motion.within, robot)
     default = robot.tolerance
@@ -220,7 +228,7 @@ def timed_tolerance(motion: hir.TimedMove, robot: Robot) -> Tolerance:
 
 
 def timed_move(judged: Judged, layout: Layout, row: int, place: Place, start: Array) -> Deviation:
-    """Prove the deviation of a motion from its timetable, and report a deviation beyond its tolerance.
+    """Bound the deviation of a motion from its timetable, and report a deviation beyond its tolerance.
 
     Args:
         judged: the context of the judgement.
@@ -236,7 +244,11 @@ def timed_move(judged: Judged, layout: Layout, row: int, place: Place, start: Ar
         off = np.abs(table.positions[0] - start)
         if (off > within + _SAME).any():
             _report(
-                judged, place, "Y1159", "the table begins with {} {:.6g} {} from where the robot stands", off
+                judged,
+                place,
+                "Y1159",
+                "the table begins with {} {:.6g} {} away from the robot's position",
+                off,
             )
     way = programmed(table, start)
     end = layout.ends[row] if place.size else start
@@ -250,13 +262,13 @@ def timed_move(judged: Judged, layout: Layout, row: int, place: Place, start: Ar
             judged,
             place,
             "Y1160",
-            "the motion ends with {} {:.6g} {} from the last row of its table",
+            "the motion ends with {} {:.6g} {} away from the last row of its table",
             off_at_end,
         )
     elif not (off <= within + _SAME).all():
         joint = int(np.argmax(off / within))
         about = f", about {when[joint]:.6g} s after its start"
-        _report(judged, place, "Y1159", "{} is proved within {:.6g} {} of its timetable" + about, off)
+        _report(judged, place, "Y1159", "{} is proved only within {:.6g} {} of its timetable" + about, off)
     position, angle = by_kind(off, robot)
     return Deviation(position, angle, *by_kind(off_at_end, robot))
 

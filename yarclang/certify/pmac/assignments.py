@@ -1,4 +1,4 @@
-"""Which of a controller's variables a text may assign: each has a reason, and all others are rejected."""
+"""Check of the variables that a text assigns or waits for: only those with a stated purpose are allowed."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def check_assignments(text: ControllerText, robot: Robot, outputs: Set[str] | No
         if reason := _why_not(variable, robot):
             yield f"{where} sets {variable}, which {reason}"
         elif outputs is not None and variable not in outputs:
-            yield f"{where} sets {variable}, which is no output of the program"
+            yield f"{where} sets {variable}, which isn't an output of the program"
         elif line is None and variable in seen:
             yield f"{where} sets {variable} twice"
         if line is None:

@@ -52,20 +52,20 @@ def read_course(
         content = cursor.take()
         if content == "CLOSE":
             break
-        if found := _TM.fullmatch(content):
-            course.segment(_segment_ms(found[1], cursor), line, found[1])
-        elif found := _DWELL.fullmatch(content):
+        if matched := _TM.fullmatch(content):
+            course.segment(_segment_ms(matched[1], cursor), line, matched[1])
+        elif matched := _DWELL.fullmatch(content):
             course.finish()
-            course.items.append(Dwelt(line, float(found[1])))
+            course.items.append(Dwelt(line, float(matched[1])))
         elif content == "RAPID":
             course.finish()
             course.items.append(_read_stand(cursor, line))
-        elif found := _ARMED.fullmatch(content):
-            arms.append(Armed(line, found[1] == "1"))
-        elif (found := CONDITION.fullmatch(content)) and course.rests:
-            course.items.append(Put(line, found[1], float(found[2])))
-        elif (found := _TRIGGER.fullmatch(content)) and course.moves_on(cursor):
-            course.puts.append(Put(line, found[1], float(found[2]), synchronous=True))
+        elif matched := _ARMED.fullmatch(content):
+            arms.append(Armed(line, matched[1] == "1"))
+        elif (matched := CONDITION.fullmatch(content)) and course.rests:
+            course.items.append(Put(line, matched[1], float(matched[2])))
+        elif (matched := _TRIGGER.fullmatch(content)) and course.moves_on(cursor):
+            course.puts.append(Put(line, matched[1], float(matched[2]), synchronous=True))
         else:
             cursor.refuse(f"is {shown(content)}: {_why_not(content)}", back=1)
     course.finish()
@@ -78,8 +78,8 @@ def _why_not(content: str) -> str:
     """Return the reason why a line is not allowed in the part between the start and CLOSE."""
     if (found := _ASSIGNMENT.fullmatch(content)) is not None:
         if found[1].startswith("I"):
-            return "a program assigns no I-variable after its start"
-        return f"an assignment of {found[1]} belongs where the robot rests, or in the middle of a blend"
+            return "a program must not assign I-variables after its start"
+        return f"{found[1]} may be assigned only at rest, or in the middle of a blend"
     return "no move line, TM, DWELL, P8100 or CLOSE" + why_worse(content)
 
 
@@ -94,21 +94,24 @@ class _Course:
         self.puts: list[Put] = []
 
     def moves_on(self, cursor: Cursor) -> bool:
-        """Return True if the next line is inside a sequence of moves: after a move and before another.
+        """Return True if the next line is inside a sequence of moves: after a move and before another one.
 
-        Elsewhere, an output that is set in step with a move would be set at an unknown time, or not at all.
+        An output in step with a move is allowed only there. Elsewhere, the controller would set it at an
+        unknown time, or not at all.
         """
         return bool(self._blocks) and cursor.move_follows()
 
     @property
     def rests(self) -> bool:
-        """True if the robot stands still here, so that the controller computes the next line only at rest."""
+        """True if the robot stands still after the lines read so far, so that the controller computes the
+        next line at rest.
+        """
         return self._ms is None
 
     def segment(self, ms: float, line: int, printed: str) -> None:
         """Begin a sequence of moves with a new segment time.
 
-        An equal segment time is refused: the controller is not known to end the sequence there.
+        Refuse a TM with the same segment time: it is not known whether the controller ends a sequence there.
         """
         if ms == self._ms:
             raise Refusal(line, f"repeats TM{printed}: not known to end a sequence", "Y1151")
@@ -144,13 +147,13 @@ def _read_stand(cursor: Cursor, line: int) -> Stood:
     cursor.expect("ABS")
     point = cursor.block()
     if point is None or len(point) != 1:
-        cursor.refuse("is no single move to where the robot stands, which belongs here")
+        cursor.refuse("isn't the expected single move to the robot's position")
     cursor.expect("DWELL0", "SPLINE1")
     return Stood(line, point[0])
 
 
 def _expect_barrier(cursor: Cursor, barrier: Barred, target: Target, system: int) -> None:
-    """Read the lines of a barrier, which stop the program."""
+    """Read the lines of a barrier, at which the program stops or waits."""
     if target == "rotary":
         cursor.expect("STOP")
         return
@@ -158,17 +161,17 @@ def _expect_barrier(cursor: Cursor, barrier: Barred, target: Target, system: int
     if barrier.kind == "set" or (
         barrier.kind == "when" and (condition is None or barrier.timeout is not None)
     ):
-        cursor.refuse("is decided by whoever streams: no program buffer can do that")
+        cursor.refuse("is decided by the streaming host, which a program buffer doesn't have")
     if barrier.kind in ("loop", "next", "exit", "endloop"):
-        cursor.refuse("belongs to a loop, which whoever streams begins anew: no program buffer can do that")
+        cursor.refuse("belongs to a loop, which the streaming host restarts: a program buffer has none")
     if barrier.kind in ("stop", "abort"):
-        cursor.refuse("ends the program in the middle of its text: no program buffer can do that")
+        cursor.refuse("ends the program in the middle of its text, which a program buffer can't do")
     if barrier.kind == "hold" and barrier.register:
-        cursor.refuse("asks the operator for a number: no program buffer can do that")
+        cursor.refuse("asks the operator for a number, which a program buffer can't do")
     if barrier.kind == "say":
-        cursor.refuse("is told by whoever streams: no program buffer can do that")
+        cursor.refuse("is shown by the streaming host, which a program buffer doesn't have")
     if barrier.kind == "wait" and condition is None:
-        cursor.refuse("is a barrier of which the map doesn't say for what it waits")
+        cursor.refuse("is a barrier whose condition the map doesn't name")
     match barrier.kind, condition:
         case "when", _:
             cursor.expect(f"IF({barrier.condition})")
@@ -181,6 +184,7 @@ def _expect_barrier(cursor: Cursor, barrier: Barred, target: Target, system: int
             if barrier.timeout is None:
                 cursor.expect(f"WHILE({missing})WAIT")
                 return
+            # The timer counts down in servo cycles, of which 8388608 / I10 are in 1 ms (TSRM 43).
             timer = f"I{5011 + 100 * system}"
             cursor.expect("P8102=1", "WHILE(P8102=1)")
             started = re.fullmatch(timer + _TIMER, cursor.take())
@@ -196,7 +200,7 @@ def _expect_barrier(cursor: Cursor, barrier: Barred, target: Target, system: int
 
 def _expect_text(cursor: Cursor) -> None:
     if re.fullmatch(r'SEND"[^"]*"', cursor.take()) is None:
-        cursor.refuse("is no SEND with a text, which belongs here", back=1)
+        cursor.refuse("isn't the expected SEND with a text", back=1)
 
 
 def _segment_ms(printed: str, cursor: Cursor) -> float:

@@ -20,7 +20,7 @@ _NUMBER = r"-?[0-9]{1,7}+(?:\.[0-9]{1,12}+)?+"
 """Pattern of a number in a move line. Its quantifiers are possessive, so that matching takes linear time."""
 
 _PIECE, _MOST, _MARK = 1000, 50_000, "777"
-"""How move lines are divided into pieces for the cache: the least and the largest number of characters of a
+"""Division of move lines into pieces for the cache: the least and the largest number of characters of a
 piece, and the digits that mark a line as the last one of a piece.
 """
 
@@ -81,10 +81,11 @@ class Cursor(Lines):
         return np.concatenate(pieces) if pieces else None
 
     def _piece_end(self) -> int:
-        """Return the end of the piece of move lines that is cached as a whole.
+        """Return the position after the next piece of move lines, which is cached as a whole.
 
-        This is the end of a short sequence of moves. In a long one it is a line that contains certain digits,
-        so that the borders of pieces move with the lines when the text is edited.
+        A short sequence of moves is one piece. A long sequence is divided after lines that contain certain
+        digits. An edit therefore changes only the pieces around it, and all other pieces are still in the
+        cache.
         """
         begin, most = self._place + _PIECE, self._place + _MOST
         end = self._text.find("\nT", self._place, begin)  # a TM ends the move lines
@@ -116,4 +117,4 @@ class Cursor(Lines):
         """Read lines that must equal the given ones."""
         for line in lines:
             if (found := self.take()) != line:
-                self.refuse(f"is {shown(found)} where {shown(line)} belongs", back=1)
+                self.refuse(f"is {shown(found)}; expected: {shown(line)}", back=1)

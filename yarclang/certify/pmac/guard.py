@@ -1,7 +1,7 @@
-"""The guard of the rotary buffer.
+"""The guard of the rotary buffer, which acts if the computer that feeds the buffer fails.
 
 While the guard is armed, the controller's PLC 29 stops the motion on its path as soon as fewer than I16 lines
-are ahead: the computer that feeds the buffer has failed.
+are ahead.
 
 A text arms the guard before the first move, and disarms it only when the last lines are in the buffer.
 """
@@ -38,9 +38,9 @@ Fault = str
 def check_guard(text: ControllerText, robot: Robot) -> Iterator[Fault]:
     """Check that the buffer has enough lines for the motion to stop on its path when the guard acts.
 
-    A hold slows the program to a stop within the robot's hold time T, and uses up T / 2 of the program's
-    time. The PLC may be late by `LATE`. As long as more lines follow, the motion in the buffer must last for
-    the sum of both times.
+    A hold slows the program evenly to a stop within the robot's hold time T. During the hold, the program
+    advances as far as it would at full speed in T / 2. The PLC may start the hold late by `LATE`. The lines
+    that are ahead when the guard acts must therefore last for T / 2 + `LATE`.
 
     Args:
         text: the controller text, as the judge has read it.
@@ -64,12 +64,12 @@ def check_guard(text: ControllerText, robot: Robot) -> Iterator[Fault]:
 def _check_marks(marks: Marks, segment: float, robot: Robot) -> Iterator[Fault]:
     """Check the buffer's marks (I16, I17, size) for a text whose shortest segment lasts `segment` [s]."""
     controller = turbo_pmac(robot)
-    # Braking evenly from full speed covers half of the braking time of the program.
+    # While the program brakes evenly for a time T, it advances as far as it would at full speed in T / 2.
     needed = controller.hold_time / 2.0 + LATE
     if marks.low * segment < needed * (1.0 - _ROUNDING):
         yield (
             f"I16={marks.low}: {marks.low} lines of {segment / MS:.6g} ms are {marks.low * segment:.3g} s "
-            f"of motion, and a hold that comes late needs {needed:.3g} s"
+            f"of motion, but a late hold needs {needed:.3g} s"
         )
     if marks.full <= marks.low:
         yield f"I17={marks.full}: the buffer would count as full and as low at once, since I16={marks.low}"
@@ -81,7 +81,7 @@ def _check_marks(marks: Marks, segment: float, robot: Robot) -> Iterator[Fault]:
             "never count as full"
         )
     if marks.words < controller.rotary_words:
-        yield f"DEFINE ROT {marks.words}: the robot's controller is to have {controller.rotary_words} words"
+        yield f"DEFINE ROT {marks.words}: robot.toml gives the buffer {controller.rotary_words} words"
 
 
 def _check_leg(moves: NDArray[np.int64], arms: list[Armed], marks: Marks) -> Iterator[Fault]:
@@ -101,7 +101,8 @@ def _check_leg(moves: NDArray[np.int64], arms: list[Armed], marks: Marks) -> Ite
     first = int(moves[0])
     if not arms or not arms[0].on or arms[0].line > first:
         yield (
-            f"the guard isn't armed (P8100=1) before the move in line {first}, which {count - 1} more follow"
+            f"the guard isn't armed (P8100=1) before the move in line {first}, after which {count - 1} "
+            "more moves follow"
         )
         return
     if len(arms) < 2:
@@ -117,13 +118,13 @@ def _check_leg(moves: NDArray[np.int64], arms: list[Armed], marks: Marks) -> Ite
     ahead = count - int(np.searchsorted(moves, arms[1].line))
     if not marks.low <= ahead <= marks.low + AHEAD:
         yield (
-            f"line {arms[1].line} disarms the guard with {ahead} moves to come: it is to be between "
-            f"{marks.low} (I16) and {marks.low + AHEAD}"
+            f"line {arms[1].line} disarms the guard with {ahead} moves left: {marks.low} (I16) to "
+            f"{marks.low + AHEAD} are allowed"
         )
 
 
 def _legs(text: ControllerText) -> Iterator[tuple[NDArray[np.int64], list[Armed]]]:
-    """Yield the move lines between two barriers, and the lines there that arm and disarm the guard."""
+    """Yield the move lines of each part between two barriers, and its lines that arm or disarm the guard."""
     barriers = [item.line for item in text.course if isinstance(item, Barred)]
     lines = np.concatenate([run.lines for run in text.runs]) if text.runs else np.empty(0, dtype=np.int64)
     for begin, end in pairwise((0, *barriers, sys.maxsize)):

@@ -37,8 +37,8 @@ class Armed:
 class Guard:
     """The guard of a program buffer, which lets the program begin only at its start position.
 
-    The program waits until each motor is near this position. Positions are in 1/(Ixx08 * 32) count, as in the
-    register of the commanded position.
+    The program waits until each motor is near this position. Positions are in 1/(32 Ixx08) count, with the
+    motor's I-variable Ixx08: this is the unit of the register of the commanded position.
 
     Attributes:
         place: (n,) motor positions at the start.

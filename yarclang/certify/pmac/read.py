@@ -1,7 +1,7 @@
 """Reader of the controller texts that yarcc emits, and of no other texts.
 
-The judge has a reader of its own, since what the writer of a text meant proves nothing. Every line must have
-the one form that is allowed in its place, so that no unchecked line can have an effect.
+The judge has a reader of its own: it must know what a text does, and not what its writer intended. Every line
+must have the one form that is allowed in its place, so that no unchecked line can have an effect.
 """
 
 from __future__ import annotations
@@ -97,7 +97,7 @@ def _target(header: Header) -> Target:
         if header.target == target and re.fullmatch(form, header.loading):
             return target
     raise Refusal(
-        _TARGET_LINE, f"has the target {shown(header.target)}, or another word on how it is loaded", "Y1151"
+        _TARGET_LINE, f"has the target {shown(header.target)}, or another note on how it is loaded", "Y1151"
     )
 
 
@@ -136,7 +136,7 @@ def _expected(cursor: Cursor, form: re.Pattern[str], what: str) -> re.Match[str]
     line = cursor.take()
     found = form.fullmatch(line)
     if found is None:
-        cursor.refuse(f"is {shown(line)} where {what} belongs", back=1)
+        cursor.refuse(f"is {shown(line)}; expected: {what}", back=1)
     return found
 
 
@@ -145,32 +145,32 @@ def _read_rotary_start(cursor: Cursor) -> Start:
     line = cursor.line
     point = cursor.block()
     if point is None or len(point) != 1:
-        cursor.refuse("is no single move to the start, which belongs here")
+        cursor.refuse("isn't the expected single move to the start")
     cursor.expect("DWELL0")
     return Start(line, point[0])
 
 
 def _read_prog_start(cursor: Cursor, controller: TurboPmac) -> tuple[Start, Guard]:
     if re.fullmatch(r"OPEN PROG [1-9][0-9]{0,4} CLEAR", cursor.take()) is None:
-        cursor.refuse("is no OPEN PROG with CLEAR, which belongs here", back=1)
+        cursor.refuse("isn't the expected OPEN PROG with CLEAR", back=1)
     line = cursor.line
     cursor.expect("P8101=1", "WHILE(P8101=1)", "P8101=0")
     places, widths, steps = [], [], []
     for motor in controller.motors:
         compare = cursor.take()
-        found = _COMPARE.fullmatch(compare)
-        if found is None or int(found[1]) != motor or bool(found[3]) != bool(found[5]):
+        matched = _COMPARE.fullmatch(compare)
+        if matched is None or int(matched[1]) != motor or bool(matched[3]) != bool(matched[5]):
             cursor.refuse(
-                f"is {shown(compare)} where the comparison of M{motor}61 with the start belongs", back=1
+                f"is {shown(compare)}; expected: the comparison of M{motor}61 with the start", back=1
             )
-        # The text compares the register minus x: x is -5 if written as `+5`, or as `-(-5)`.
-        negative = (found[2] == "+") != bool(found[3])
-        places.append(-float(found[4]) if negative else float(found[4]))
-        widths.append(float(found[6]))
-        steps.append(10.0 ** -len(found[4].partition(".")[2]))
+        # The text subtracts the start from the register: `+5` and `-(-5)` both mean a start at -5.
+        negative = (matched[2] == "+") != bool(matched[3])
+        places.append(-float(matched[4]) if negative else float(matched[4]))
+        widths.append(float(matched[6]))
+        steps.append(10.0 ** -len(matched[4].partition(".")[2]))
         cursor.expect("P8101=1")
         if re.fullmatch(r'SEND"[^"]*"', cursor.take()) is None:
-            cursor.refuse("is no SEND with a text, which belongs here", back=1)
+            cursor.refuse("isn't the expected SEND with a text", back=1)
         cursor.expect("ENDIF")
     cursor.expect("IF(P8101=1)", "STOP", "ENDIF", "ENDWHILE", "ABS")
     return Start(line, None), Guard(np.array(places), np.array(widths), np.array(steps))

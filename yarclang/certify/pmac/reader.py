@@ -20,7 +20,9 @@ from yarclang.robot.model import Array, Robot
 from yarclang.units import MS
 
 GUARD_SHARE = 0.05
-"""Largest additional acceleration, as a share of its limit, due to an inexact start of a stored program."""
+"""Largest acceleration that an inexact start of a stored program may add, as a fraction of the acceleration
+limit.
+"""
 
 
 def _read(text: str, controller: Controller, memory: Memory) -> ControllerText | Unreadable:
@@ -33,7 +35,8 @@ def _start(content: ControllerText, robot: Robot) -> StartPlace:
         exact: Array = 0.5 * 10.0**-content.decimals * robot.axis_units
         return StartPlace(printed * robot.axis_units, exact, is_printed=True)
     guard = _guard_of(content)
-    # Registers are in 1/(Ixx08 32) count; half a step of the last printed digit is unknown.
+    # Position registers are in 1/(32 Ixx08) count. The printed values are off by at most half a step of
+    # the last digit.
     q = from_counts(robot, guard.place / (32.0 * turbo_pmac(robot).ixx08))
     return StartPlace(q, 0.5 * _per_step(robot) @ guard.step, is_printed=False)
 
@@ -45,9 +48,11 @@ def _guard_of(content: ControllerText) -> Guard:
 
 
 def _per_step(robot: Robot) -> Array:
-    """Return how far each joint (row) moves per step of each motor's position register (column), (n, n).
+    """Return the absolute value of each joint's motion (row) per step of each motor's position register
+    (column), (n, n).
 
-    The values are absolute, in rad or m per 1/(Ixx08 32) count.
+    The values are in rad or m. A step of the register is 1/(32 Ixx08) count, with the motor's I-variable
+    Ixx08.
     """
     steps: Array = np.abs(joints_per_count(robot)) / (32.0 * turbo_pmac(robot).ixx08)
     return steps
@@ -80,9 +85,9 @@ def _start_faults(content: ControllerText, robot: Robot) -> Iterator[Fault]:
     if share[joint] > GUARD_SHARE * (1.0 + 1e-9):
         yield Fault(
             "Y1154",
-            f"the program's guard lets {robot.joint_names[joint]} start so far off that it adds "
-            f"{share[joint]:.1%} of its acceleration limit, more than {GUARD_SHARE:.0%} "
-            f"(line {content.start.line})",
+            f"the program's guard lets {robot.joint_names[joint]} start so far away that this adds "
+            f"{share[joint]:.1%} of its acceleration limit; {GUARD_SHARE:.0%} are allowed (line "
+            f"{content.start.line})",
             at_start=True,
         )
 

@@ -125,16 +125,16 @@ class _Reading:
         return found[0] if found is not None else ""
 
     def _operand(self, depth: int) -> Value:
-        found = _TOKEN.match(self._text, self._at)
-        if found is None:
+        token = _TOKEN.match(self._text, self._at)
+        if token is None:
             raise _Strange
-        self._at = found.end()
-        if found["number"]:
-            return Constant(float(found["number"]))
-        if found["input"]:
-            return InputValue(found["input"])
-        if found["register"]:
-            return RegisterValue(found["register"])
+        self._at = token.end()
+        if token["number"]:
+            return Constant(float(token["number"]))
+        if token["input"]:
+            return InputValue(token["input"])
+        if token["register"]:
+            return RegisterValue(token["register"])
         inner = self._value(depth + 1)
         if not isinstance(inner, Before | Between) or self._sign() != ")":
             raise _Strange
@@ -143,7 +143,8 @@ class _Reading:
 
 
 def _fits(value: Value, *, wants_condition: bool) -> None:
-    """Reject a number where a condition is wanted, and a condition where a number is. 0 and 1 count as both.
+    """Reject a number if a condition is needed, and a condition if a number is needed. The constants 0 and 1
+    count as both.
 
     Raises:
         _Strange: the value is of the wrong sort.

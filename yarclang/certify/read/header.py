@@ -94,7 +94,7 @@ class Preamble:
         entries: the commands in the map, with their lines.
         barriers: the barriers in the map (waits, branches, loops), by their lines.
         registers: the registers that the runtime keeps.
-        watches: inputs that stop the motion while they have a value.
+        watches: inputs that stop the motion while they have a stated value.
         searches: motions that an input ends.
         offsets: branches that are planned and proved when the program runs, in a shifted frame.
         allows: pairs of bodies that are allowed to touch, by motion.
@@ -183,7 +183,7 @@ def _read_header(lines: Lines) -> Header:
             )
     (loading,) = _matched(lines, _LOADING, "what loading does")
     if (line := lines.peek()) != f"; {COLUMNS}":
-        lines.refuse(f"is {shown(line)} where the map of commands begins")
+        lines.refuse(f"is {shown(line)}; expected: the first line of the map of commands")
     lines.skip()
     (certificate,) = _matched(lines, _CERTIFICATE, "the certificate's summary")
     (seal,) = _matched(lines, _SEAL, "the seal")
@@ -214,18 +214,18 @@ def _matched(lines: Lines, form: re.Pattern[str], what: str) -> tuple[str, ...]:
     line = lines.peek()
     found = form.fullmatch(line)
     if found is None:
-        lines.refuse(f"is {shown(line)} where the header has {what}")
+        lines.refuse(f"is {shown(line)}; expected in the header: {what}")
     lines.skip()
     return tuple(one or "" for one in found.groups())
 
 
 def _read_entry(lines: Lines) -> Entry:
     at = lines.line
-    found = _ENTRY.fullmatch(lines.peek())
-    if found is None:
+    matched = _ENTRY.fullmatch(lines.peek())
+    if matched is None:
         lines.refuse(f"is no line of the map of commands: {shown(lines.peek())}")
     lines.skip()
-    step, index, name, source_line, first, last, blend, any_jerk = found.groups()
+    step, index, name, source_line, first, last, blend, any_jerk = matched.groups()
     return Entry(
         at,
         int(step),
@@ -240,10 +240,10 @@ def _read_entry(lines: Lines) -> Entry:
 
 
 def _read_barrier(lines: Lines) -> Barred:
-    found = _BARRIER.fullmatch(lines.peek())
-    if found is None:
+    matched = _BARRIER.fullmatch(lines.peek())
+    if matched is None:
         lines.refuse(f"is no line of the map of barriers: {shown(lines.peek())}")
-    line, kind, step, condition, timeout, name = found.groups()
+    line, kind, step, condition, timeout, name = matched.groups()
     decided, again, target = _decided(lines, kind, condition)
     if timeout != "-" and (kind not in ("wait", "when") or condition.startswith(AGAIN)):
         lines.refuse(f"names a time that no '{kind}' has: {shown(lines.peek())}")
@@ -263,8 +263,8 @@ def _decided(
     """Read what a barrier decides or assigns.
 
     Returns:
-        The condition or value; True if the condition uses inputs as they were read before; and the register
-        or output that the barrier sets.
+        The condition or value; True if the condition uses the input values of an earlier decision; and the
+        register or output that the barrier sets.
     """
     if kind == "when":
         again = condition.startswith(AGAIN)
@@ -302,13 +302,13 @@ def _read_registers(lines: Lines, barriers: Mapping[int, Barred]) -> tuple[Regis
     """Read the registers that the runtime keeps, and check that each one in use is declared."""
     registers: dict[str, Register] = {}
     while lines.peek().startswith("; register"):
-        found = _REGISTER.fullmatch(lines.peek())
-        if found is None:
+        matched = _REGISTER.fullmatch(lines.peek())
+        if matched is None:
             lines.refuse(f"is no line of the map of registers: {shown(lines.peek())}")
-        name, low, high, first = found[1], int(found[2]), int(found[3]), int(found[4])
+        name, low, high, first = matched[1], int(matched[2]), int(matched[3]), int(matched[4])
         if name in registers or not -LARGEST <= low <= first <= high <= LARGEST:
-            lines.refuse(f"is no register, or one that is there already: {shown(lines.peek())}")
-        registers[name] = Register(name, low, high, first, found[5] == " kept", found[5] == " outside")
+            lines.refuse(f"isn't a register, or repeats one: {shown(lines.peek())}")
+        registers[name] = Register(name, low, high, first, matched[5] == " kept", matched[5] == " outside")
         lines.skip()
     for barrier in barriers.values():
         if (
@@ -316,28 +316,30 @@ def _read_registers(lines: Lines, barriers: Mapping[int, Barred]) -> tuple[Regis
             and barrier.decided is not None
             and not _can_change(barrier.decided, registers)
         ):
-            lines.refuse(f"stands where line {barrier.line} waits for what nothing changes")
+            lines.refuse(f"comes too late: line {barrier.line} waits for a value that nothing changes")
         used = () if barrier.decided is None else registers_of(barrier.decided)
         for name in (*used, *([barrier.register] if barrier.register else [])):
             if name not in registers:
-                lines.refuse(f"stands where the map has no register {name}, which line {barrier.line} uses")
+                lines.refuse(
+                    f"comes where the map of registers ends without {name}, which line {barrier.line} uses"
+                )
     return tuple(registers.values())
 
 
 def _read_watches(lines: Lines) -> tuple[Watch, ...]:
-    """Read the inputs that stop the motion while they have a value, each value of an input once."""
+    """Read the inputs that stop the motion while they have a stated value. The same value of an input may be
+    listed only once.
+    """
     watches: list[Watch] = []
     while lines.peek().startswith("; watch"):
-        found = _WATCH.fullmatch(lines.peek())
-        if found is None:
+        matched = _WATCH.fullmatch(lines.peek())
+        if matched is None:
             lines.refuse(f"is no line of the map of watches: {shown(lines.peek())}")
-        watch = Watch(found[1], float(found[2]), found[3], found[4] or "", found[5] or "")
+        watch = Watch(matched[1], float(matched[2]), matched[3], matched[4] or "", matched[5] or "")
         if len(watches) == MOST_WATCHES or any(
             (one.variable, one.value) == (watch.variable, watch.value) for one in watches
         ):
-            lines.refuse(
-                f"watches what is watched already, or more than {MOST_WATCHES} inputs: {shown(lines.peek())}"
-            )
+            lines.refuse(f"watches an input twice, or more than {MOST_WATCHES} inputs: {shown(lines.peek())}")
         watches.append(watch)
         lines.skip()
     return tuple(watches)
@@ -346,24 +348,27 @@ def _read_watches(lines: Lines) -> tuple[Watch, ...]:
 def _read_searches(
     lines: Lines, moves: Container[int], registers: tuple[Register, ...]
 ) -> tuple[Searched, ...]:
-    """Read the motions that an input ends, in order; each has a flag of its own."""
+    """Read the motions that an input ends, in order.
+
+    Each motion has a register of its own, its flag, which becomes 1 when the input ends the motion.
+    """
     searches: list[Searched] = []
     flags = {one.name for one in registers if (one.low, one.high, one.first, one.kept) == (0, 1, 0, False)}
     known = {"-", *(one.name for one in registers)}
     while lines.peek().startswith("; search"):
-        found = _SEARCH.fullmatch(lines.peek())
-        if found is None:
+        matched = _SEARCH.fullmatch(lines.peek())
+        if matched is None:
             lines.refuse(f"is no line of the map of searches: {shown(lines.peek())}")
-        step, depth = int(found[1]), found[6]
+        step, depth = int(matched[1]), matched[6]
         if step not in moves or (searches and searches[-1].step >= step):
-            lines.refuse(
-                f"ends a command that doesn't move, or that stands out of order: {shown(lines.peek())}"
-            )
-        if found[5] not in flags or depth not in known or depth == found[5]:
+            lines.refuse(f"ends a command that doesn't move, or is out of order: {shown(lines.peek())}")
+        if matched[5] not in flags or depth not in known or depth == matched[5]:
             lines.refuse(f"names no registers for what is found: {shown(lines.peek())}")
-        flags.remove(found[5])
+        flags.remove(matched[5])
         searches.append(
-            Searched(step, found[2], float(found[3]), found[4], found[5], "" if depth == "-" else depth)
+            Searched(
+                step, matched[2], float(matched[3]), matched[4], matched[5], "" if depth == "-" else depth
+            )
         )
         lines.skip()
     return tuple(searches)
@@ -385,17 +390,19 @@ def _read_offsets(
     offsets: list[Shifted] = []
     known = {one.name: one for one in registers}
     while lines.peek().startswith("; offset"):
-        found = _OFFSET.fullmatch(lines.peek())
-        if found is None:
+        matched = _OFFSET.fullmatch(lines.peek())
+        if matched is None:
             lines.refuse(f"is no line of the map of offsets: {shown(lines.peek())}")
-        step, flag = int(found[1]), found[2]
-        names = tuple("" if one == "-" else one for one in found[3].split())
+        step, flag = int(matched[1]), matched[2]
+        names = tuple("" if one == "-" else one for one in matched[3].split())
+        # The branch itself must be a WHEN on the flag, without a time limit, and the only barrier that uses
+        # the flag.
         at = [one for one in barriers.values() if one.step == step and one.kind == "when"]
         if not at or (offsets and offsets[-1].step >= step):
             lines.refuse(
-                f"shifts a frame where nothing is decided, or stands out of order: {shown(lines.peek())}"
+                f"shifts a frame where nothing is decided, or is out of order: {shown(lines.peek())}"
             )
-        own = known.get(flag)
+        register = known.get(flag)
         others = [
             one
             for one in barriers.values()
@@ -403,8 +410,9 @@ def _read_offsets(
             and (one.register == flag or (one.decided is not None and flag in registers_of(one.decided)))
         ]
         if (
-            own is None
-            or (own.low, own.high, own.first, own.kept, own.outside) != (0, 1, 0, False, False)
+            register is None
+            or (register.low, register.high, register.first, register.kept, register.outside)
+            != (0, 1, 0, False, False)
             or flag in used
             or others
             or any(one.flag == flag for one in offsets)
@@ -420,7 +428,7 @@ def _read_offsets(
             )
         ):
             lines.refuse(f"names no registers that can shift a frame: {shown(lines.peek())}")
-        offsets.append(Shifted(step, flag, found[4], names))
+        offsets.append(Shifted(step, flag, matched[4], names))
         lines.skip()
     return tuple(offsets)
 
@@ -429,17 +437,16 @@ def _read_allows(lines: Lines, moves: Container[int]) -> tuple[Permitted, ...]:
     """Read the pairs of bodies that are allowed to touch, sorted by motion and then by name."""
     allows: list[Permitted] = []
     while lines.peek().startswith("; allow"):
-        found = _ALLOW.fullmatch(lines.peek())
-        first, second = (None, None) if found is None else (unquoted(found[2]), unquoted(found[3]))
-        if found is None or first is None or second is None:
+        matched = _ALLOW.fullmatch(lines.peek())
+        first, second = (None, None) if matched is None else (unquoted(matched[2]), unquoted(matched[3]))
+        if matched is None or first is None or second is None:
             lines.refuse(f"is no line of the map of bodies that may touch: {shown(lines.peek())}")
-        one = Permitted(int(found[1]), first, second)
+        one = Permitted(int(matched[1]), first, second)
         last = allows[-1] if allows else None
         in_order = last is None or (last.step, last.first, last.second) < (one.step, one.first, one.second)
         if one.step not in moves or one.first > one.second or not in_order:
             lines.refuse(
-                "lets bodies touch on a command that doesn't move, or stands out of order: "
-                f"{shown(lines.peek())}"
+                f"lets bodies touch on a command that doesn't move, or is out of order: {shown(lines.peek())}"
             )
         allows.append(one)
         lines.skip()
@@ -447,17 +454,19 @@ def _read_allows(lines: Lines, moves: Container[int]) -> tuple[Permitted, ...]:
 
 
 def _read_keeps(lines: Lines, moves: Container[int]) -> tuple[KeptTo, ...]:
-    """Read the rules (KEEP) that motions respect, sorted by motion, each rule once for a motion."""
+    """Read the rules (KEEP) that motions respect, sorted by motion, each rule at most once for each
+    motion.
+    """
     keeps: list[KeptTo] = []
     while lines.peek().startswith("; keep"):
-        found = _KEEP.fullmatch(lines.peek())
-        rule = None if found is None else unquoted(found[2])
-        if found is None or rule is None:
+        matched = _KEEP.fullmatch(lines.peek())
+        rule = None if matched is None else unquoted(matched[2])
+        if matched is None or rule is None:
             lines.refuse(f"is no line of the map of rules that motions keep to: {shown(lines.peek())}")
-        one = KeptTo(int(found[1]), rule)
+        one = KeptTo(int(matched[1]), rule)
         if one.step not in moves or (keeps and keeps[-1].step > one.step) or one in keeps[-_MOST_KEEPS:]:
             lines.refuse(
-                "is a rule for a command that doesn't move, stands twice, or out of order: "
+                "is a rule for a command that doesn't move, is given twice, or is out of order: "
                 f"{shown(lines.peek())}"
             )
         keeps.append(one)

@@ -39,7 +39,9 @@ _BARRIERS: dict[type, str] = {
 """Barriers at which branches and loops begin, merge, end or repeat."""
 
 CHUNK = 8192
-"""Number of segments judged in one step: many for work on whole arrays, few for the processor's cache."""
+"""Number of segments judged in one step: enough for efficient work on whole arrays, and few enough for the
+processor's cache.
+"""
 
 
 @frozen(eq=False)
@@ -57,8 +59,8 @@ class Place:
         behind: number of segments of the blend at the motion's end, half of which belong to the motion; None
             if it ends at rest.
         any_jerk: True if the map says that the motion has no jerk limit.
-        beside_any_jerk: first value True if the map says so of the motion that flows into this one, second
-            value True if it says so of the motion that this one flows into.
+        beside_any_jerk: for the motion that flows into this one, and for the motion that this one flows into,
+            True if the map says that it has no jerk limit.
     """
 
     step: int
@@ -78,7 +80,7 @@ class Place:
 
     @property
     def last_line(self) -> str:
-        """The last line in words."""
+        """The number of the last move line as a text; "none" without moves."""
         return str(self.lines[1]) if self.lines else "none"
 
 
@@ -119,7 +121,7 @@ class Layout:
         return Cubics.of_spline(self.control, self.at[begin:stop], self.time[begin:stop])
 
     def cubics_of(self, rows: NDArray[np.int64]) -> Cubics:
-        """Return the segments of rows (K,) in any order."""
+        """Return the segments with the indices `rows` (K,), in any order."""
         return Cubics.of_spline(self.control, self.at[rows], self.time[rows])
 
 
@@ -172,8 +174,8 @@ def _sequences(
         return np.empty((0, len(start))), np.empty(0, dtype=np.int64)
     counts = np.array([len(run.points) for run in runs], dtype=np.int64)
     points = np.concatenate([run.points for run in runs]) * axis_units
-    behind = np.cumsum(counts)
-    ends = points[behind - 1]
+    stops = np.cumsum(counts)
+    ends = points[stops - 1]
     stands: list[Array] = []
     stand, ways = start, list[Array]()
     for item in text.course:
@@ -183,9 +185,9 @@ def _sequences(
         else:
             stand = _flow(item, stand, ways, axis_units)
     # The position before a sequence, and the last point of the sequence, appear three times.
-    each = np.insert(points, behind - counts, np.array(stands), axis=0)
+    each = np.insert(points, stops - counts, np.array(stands), axis=0)
     times = np.ones(len(each), dtype=np.int64)
-    first = behind - counts + np.arange(len(runs))
+    first = stops - counts + np.arange(len(runs))
     times[first] = times[first + counts] = 3
     return np.repeat(each, times, axis=0), counts + 2
 
@@ -235,7 +237,7 @@ def _compare(
         if entry.first is not None and not isinstance(meant_step, hir.Motion):
             return step, f"the map gives a {origin.name} move lines (line {entry.at})"
         if entry.blend is not None and getattr(meant_step, "blend", None) is None:
-            return step, f"the map blends a command that shall end at rest (line {entry.at})"
+            return step, f"the map blends a command that must end at rest (line {entry.at})"
     if len(entries) != len(program.steps):
         return None, f"the map has {len(entries)} commands, the program {len(program.steps)}"
     return None
@@ -259,15 +261,18 @@ def _spans(
             if entry is None:
                 return step, f"the move lines from line {run[place]} on belong to no command"
             step = entry.step
-            behind = int(np.searchsorted(run, entry.last or 0, side="right"))
-            if entry.first != run[place] or behind <= place or run[behind - 1] != entry.last:
+            # The command's move lines reach up to `last` in this sequence.
+            stop = int(np.searchsorted(run, entry.last or 0, side="right"))
+            if entry.first != run[place] or stop <= place or run[stop - 1] != entry.last:
                 return step, (
                     f"the map gives this command the lines {entry.first} to {entry.last}, but its moves "
                     f"begin in line {run[place]} and the sequence has moves up to line {run[-1]}"
                 )
-            size = behind - place + (2 if behind == len(run) else 0)
+            # The two segments with no move line of their own lead to the three equal points at the sequence's
+            # end.
+            size = stop - place + (2 if stop == len(run) else 0)
             spans[entry.step] = segment, segment + size
-            segment, place = segment + size, behind
+            segment, place = segment + size, stop
     if (entry := next(rest, None)) is not None:
         return (
             entry.step,
@@ -282,7 +287,8 @@ def _blends(
     lines: list[NDArray[np.int64]],
     program: hir.Program,
 ) -> tuple[int, str] | None:
-    """Return the first blend that doesn't fit into its sequence, or that covers an action at rest.
+    """Return the step of the first blend that has no middle, doesn't fit into its sequence, or covers an
+    action at rest, with the reason.
 
     None if all blends fit.
     """
@@ -293,6 +299,7 @@ def _blends(
         size = spans[entry.step][1] - spans[entry.step][0]
         if blend % 2:
             return entry.step, f"the blend has {blend} segments, which have no middle (line {entry.at})"
+        # Half of the segments of either blend lie in this command.
         if (before + blend) // 2 > size:
             return entry.step, (
                 f"the command has {size} segments, and {before // 2} and {blend // 2} of them would lie in "
@@ -302,10 +309,10 @@ def _blends(
         if entry.blend is None:
             continue
         if entry.last in last_lines:
-            return entry.step, f"the sequence ends where it shall flow into the next one (line {entry.at})"
+            return entry.step, f"the sequence ends where it must flow into the next one (line {entry.at})"
         between = program.steps[entry.step + 1 : moving[place + 1].step]
         if not all(isinstance(step, hir.SetOutput) for step in between):
-            return entry.step, f"the map blends over what is done at rest (line {entry.at})"
+            return entry.step, f"the map blends across an action that is done at rest (line {entry.at})"
     return None
 
 
@@ -317,7 +324,7 @@ def _with_places(
     start: Array,
 ) -> Layout:
     places, begins, ends = [], [], []
-    stand, behind = start, 0
+    stand, reached = start, 0
     closing = _closing(segments, [last for first, last in spans.values() if last > first])
     before: int | None = None
     standing = Standing(start)
@@ -326,11 +333,11 @@ def _with_places(
             kind = _BARRIERS.get(type(step))
             if kind is not None:
                 standing.at = stand
-                with suppress(ValueError):  # reported by the check of the text's flow
+                with suppress(ValueError):  # the check of the text's flow reports it
                     standing.pass_(kind)
                 stand = standing.at
             continue
-        first, last = spans.get(entry.step, (behind, behind))
+        first, last = spans.get(entry.step, (reached, reached))
         begins.append(stand)
         if last == first:
             places.append(Place(entry.step, step, first, last, None))
@@ -339,7 +346,7 @@ def _with_places(
             lines = (entry.first, entry.last)
             places.append(Place(entry.step, step, first, last, lines, before, entry.blend, entry.any_jerk))
             stand = closing[last]
-            before, behind = entry.blend, last
+            before, reached = entry.blend, last
         ends.append(stand)
     shape = (len(places), len(start))
     return Layout(
@@ -353,7 +360,7 @@ def _with_places(
 
 
 def _with_neighbours(places: list[Place]) -> list[Place]:
-    """Return the places with the jerk limits of their neighbours filled in."""
+    """Return the places with `beside_any_jerk` set from their neighbours in the chain."""
     if not any(place.any_jerk for place in places):
         return places
     moving = [(row, place) for row, place in enumerate(places) if place.size]
@@ -366,7 +373,7 @@ def _with_neighbours(places: list[Place]) -> list[Place]:
 
 
 def _closing(segments: Layout, stops: list[int]) -> dict[int, Array]:
-    """Return the position (n,) at the end of each segment before one of `stops`, keyed by the stop."""
+    """Return, for each index in `stops`, the position (n,) at the end of the segment before it."""
     at = segments.at[np.array(stops, dtype=np.int64) - 1]
     first, middle, last = (segments.control[at + i] for i in (1, 2, 3))
     # If the command ends at rest, its end is the control point itself, which is exact. Otherwise it is the
@@ -379,6 +386,7 @@ def moving_at_ends(layout: Layout) -> list[Place]:
     """Return the commands that should end at rest but don't: their last three control points differ."""
     if not (moving := [place for place in layout.places if place.size and place.behind is None]):
         return []
+    # Three equal control points are a full stop.
     last = layout.at[np.array([place.last for place in moving]) - 1] + 3
     control = layout.control
     rest = (control[last] == control[last - 1]) & (control[last] == control[last - 2])

@@ -20,7 +20,7 @@ _FEW = 6000
 """Below this number of characters, reading each number by itself is faster."""
 
 _DIGITS = 15
-"""Digits of an integer that a float always represents exactly."""
+"""Largest number of digits of an integer that a float always represents exactly."""
 
 _LINE_FEED, _POINT, _MINUS, _NINE = b"\n.-9"
 _BLANK = {one: " " for one in range(128) if one > _NINE or one == _LINE_FEED}
@@ -70,7 +70,7 @@ def _read_part(raw: NDArray[np.uint8], axes: int) -> tuple[Array, int]:
     last = marks[:, 1:].ravel()
     digits = last - marks[:, :-1].ravel() - 1
     decimals = np.zeros(len(digits), np.int64)
-    # The points are in the order of the numbers that have one.
+    # The decimal points are in the order of the numbers that have one.
     decimals[ends - begins - negative > digits] = np.flatnonzero(points)
     decimals = np.where(decimals > 0, ends - decimals - 1, 0)
     windows = np.lib.stride_tricks.sliding_window_view(bare, 8)
@@ -90,7 +90,7 @@ def _marks(raw: NDArray[np.uint8], axes: int) -> NDArray[np.int64]:
 
 
 def _integers(windows: NDArray[np.uint8], ends: NDArray[np.int64], digits: NDArray[np.int64]) -> Array:
-    """Return the integers of up to eight digits that end at some positions (N,)."""
+    """Return the integers (N,) of up to eight digits that end just before the positions `ends` (N,)."""
     eight = windows[ends - 8].view("<u8")[:, 0]
     # The first digit is in the lowest byte; clear the bytes of characters before it, then keep the value of
     # each digit.

@@ -159,9 +159,9 @@ class Barred:
         condition: the condition as written, or -.
         timeout: longest wait [s]; None: no limit.
         name: name of the input, or the words for the operator.
-        decided: condition of a `when`, or of a `wait` other than for one value of one input; for a `set`, the
-            value assigned.
-        again: True if the condition is decided with the inputs as they were read before.
+        decided: for a `when`, its condition; for a `set`, the value assigned; for a `wait`, its condition,
+            but None if it waits for one value of one input.
+        again: True if the condition is decided with the input values that an earlier decision has read.
         register: for a `set`, the register assigned; for a `hold`, the register for the operator's answer.
         output: for a `set`, the variable of the output assigned, or those of all bits of a group.
     """
@@ -213,7 +213,7 @@ class ControllerText:
         decimals: largest number of decimals in a move line.
         quantum: step size of segment times in the controller [s].
         registers: integers that the runtime keeps, with their ranges and first values.
-        watches: inputs that stop the motion while they have a value.
+        watches: inputs that stop the motion while they have a stated value.
         searches: motions that an input ends.
         offsets: branches that are planned and proved when the program runs, in a shifted frame.
         allows: pairs of bodies that may touch, by motion.

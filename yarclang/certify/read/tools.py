@@ -45,7 +45,7 @@ def tools_again(handling: Handling, start: Array, ends: Mapping[int, Array]) -> 
     racks = {part.body.name: part.rack for part in cell.parts if part.rack is not None}
     names = ["", *racks]
     on = handling.first().parts.tools
-    found: dict[int, str] = {}
+    tool_at: dict[int, str] = {}
     standing = Standing(np.array([names.index(on[0]) if on else 0, *start], dtype=np.float64))
     for number, step in enumerate(handling.steps):
         kind = _BARRIERS.get(type(step))
@@ -54,12 +54,12 @@ def tools_again(handling: Handling, start: Array, ends: Mapping[int, Array]) -> 
         if kind is not None:
             try:
                 standing.pass_(kind)
-            except ValueError:  # steps that were cut out of a program
+            except ValueError:  # a section of a program may lack a WHEN
                 break
         elif isinstance(step, hir.Motion):
             if number not in ends:
                 break
-            found[number] = names[int(standing.at[0])]
+            tool_at[number] = names[int(standing.at[0])]
             standing.at = np.append(standing.at[:1], ends[number])
         elif isinstance(step, hir.SetOutput) and step.output.variable == lock.variable:
             at = standing.at
@@ -70,13 +70,13 @@ def tools_again(handling: Handling, start: Array, ends: Mapping[int, Array]) -> 
                 pose = flange_pose(handling.robot, at[1:])
                 tool = next((name for name in names[1:] if _is_at(racks[name], pose)), "")
             standing.at = np.array([names.index(tool), *at[1:]])
-    return found
+    return tool_at
 
 
 def _is_at(rack: RackTool, flange: Array) -> bool:
     """Return True if the flange (4, 4) is at a tool's place in the rack."""
     place = rack.place.transform
-    # Twice the sine of half the angle between both orientations, from the distance of their axes.
+    # The difference of both orientations has the Frobenius norm 2 sqrt 2 sin(angle / 2).
     turned = float(np.linalg.norm(flange[:3, :3] - place[:3, :3])) / np.sqrt(2.0)
     near = float(np.linalg.norm(flange[:3, 3] - place[:3, 3])) <= rack.reach
     return near and turned <= 2.0 * np.sin(_WIDEST / 2.0)

@@ -33,7 +33,7 @@ class Standing:
 
     Attributes:
         at: (n,) position.
-        over: True if the program never comes here, for example after a STOP.
+        over: True if the program never reaches the current place of the text, for example after a STOP.
         open: the WHENs and loops that have not ended yet, outermost first.
     """
 
@@ -42,14 +42,14 @@ class Standing:
     open: list[_Open] = field(default_factory=list)
 
     def pass_(self, kind: str) -> tuple[Array, str] | None:
-        """Follow the text past a barrier, and say which position must equal the current one.
+        """Follow the text past a barrier, and return the position that must equal the current one.
 
         Args:
             kind: kind of the barrier.
 
         Returns:
-            The position that must equal the current one, and the fault in words if it doesn't; the current
-            position `at` stays. None if there is nothing to compare.
+            The position that must equal the current one (`at`, which is then unchanged), and the fault to
+            report if they differ. None if there is nothing to compare.
 
         Raises:
             ValueError: the barrier has no matching open WHEN or loop.
@@ -60,13 +60,13 @@ class Standing:
             case "stop" | "abort":
                 self.over = True
             case "else":
-                top = self._top(loop=False, why="a second way without a first")
+                top = self._top(loop=False, why="a second branch without a first")
                 if top.parted:
-                    raise ValueError("a second way without a first")
+                    raise ValueError("a second branch without a first")
                 top.other, top.parted, top.over = self.at, True, self.over
                 self.at, self.over = top.before, False
             case "end":
-                return self._met(self._pop(loop=False, why="ways end that didn't begin"))
+                return self._met(self._pop(loop=False, why="a branch ends that didn't begin"))
             case "next":
                 loop, over, self.over = self._loop("begins anew"), self.over, True
                 return None if over else (loop.before, "a pass ends elsewhere than where the loop begins")
@@ -75,7 +75,7 @@ class Standing:
                 if over:
                     return None
                 if loop.other is not None:
-                    return loop.other, "the ways out of a loop end apart"
+                    return loop.other, "the exits of a loop end at different positions"
                 loop.other = self.at
             case "endloop":
                 loop = self._pop(loop=True, why="a loop ends that didn't begin")
@@ -84,17 +84,17 @@ class Standing:
                 if self.over:
                     self.at, self.over = loop.other, False
                     return None
-                return loop.other, "the ways out of a loop end apart"
+                return loop.other, "the exits of a loop end at different positions"
         return None
 
     def _met(self, when: _Open) -> tuple[Array, str] | None:
-        other = when.before if when.other is None else when.other
+        position = when.before if when.other is None else when.other
         if when.over:
             return None
         if self.over:
-            self.at, self.over = other, False
+            self.at, self.over = position, False
             return None
-        return other, "ways that meet end apart"
+        return position, "branches that meet end at different positions"
 
     def _loop(self, what: str) -> _Open:
         loop = next((one for one in reversed(self.open) if one.begins), None)

@@ -33,14 +33,14 @@ _LARGEST_SEED = 10**15
     type=click.IntRange(1, _MOST),
     default=400,
     metavar="N",
-    help="Number of programs altogether, with those that the state has already (default: 400).",
+    help="Total number of programs, including those in the state file (default: 400).",
 )
 @click.option(
     "--seed",
     type=click.IntRange(0, _LARGEST_SEED),
     default=0,
     metavar="N",
-    help="Seed of the first program; each further one has the next (default: 0).",
+    help="Seed of the first program; each next program uses the next seed (default: 0).",
 )
 @click.option(
     "--robot",
@@ -59,15 +59,14 @@ _LARGEST_SEED = 10**15
     type=click.Path(dir_okay=False),
     metavar="FILE",
     help=(
-        "File that keeps what is done, so that the same command goes on after it was stopped (default: "
-        "nothing is kept)."
+        "File for the progress, so that the same command continues after an interruption (default: no file)."
     ),
 )
 @click.option(
     "--again",
     type=click.IntRange(0, _LARGEST_SEED + _MOST),
     metavar="SEED",
-    help="Draw and judge the program of one seed alone, and print it.",
+    help="Draw, judge and print only the program of this seed.",
 )
 @jobs_option
 @scheduler_option
@@ -94,7 +93,7 @@ def command(
     task = _task(robots, cell)
     if again is not None:
         if state is not None:
-            raise click.UsageError("--again looks at one program, and keeps no --state")
+            raise click.UsageError("--again judges a single program and uses no --state")
         _once(again, task, format_)
         return
     from yarclang.campaign.report import as_data, as_text, summed
@@ -108,7 +107,7 @@ def command(
                 _done(opened, task, seed, programs, Fleet(jobs, scheduler))
             except KeyboardInterrupt:
                 done = sum(one.count for one in opened.pieces)
-                goes_on = "" if kept is None else f" and kept in {kept}: the same command goes on"
+                goes_on = "" if kept is None else f" and saved in {kept}: the same command continues"
                 click.echo(f"\nstopped: {done:,} of {programs:,} programs are done{goes_on}", err=True)
                 raise SystemExit(130) from None
             whole = summed(opened.pieces, seed)
@@ -125,7 +124,7 @@ def command(
 
 
 def _task(robots: tuple[str, ...], cell: str | None) -> Task:
-    """Return the robot, cell and settings for which programs are drawn. An unusable robot or cell is an
+    """Return the robot, cell and settings for which programs are generated. An unusable robot or cell is an
     error.
     """
     from yarclang.campaign.judging import Task, arm_of
@@ -157,7 +156,7 @@ def _task(robots: tuple[str, ...], cell: str | None) -> Task:
 
 
 def _what(task: Task, seed: int) -> dict[str, Any]:
-    """Return a description of a campaign. The state of one campaign isn't used for another."""
+    """Return the facts that identify a campaign. A saved state is continued only if its facts are equal."""
     import hashlib
 
     from yarclang.files import read_whole
@@ -177,7 +176,7 @@ def _what(task: Task, seed: int) -> dict[str, Any]:
 
 
 def _done(state: State, task: Task, seed: int, programs: int, fleet: Fleet) -> None:
-    """Do the chunks that aren't done yet."""
+    """Generate and judge the programs of all chunks that aren't done yet."""
     from yarclang.campaign.judging import judged_chunk
     from yarclang.campaign.pieces import lost_piece
     from yarclang.campaign.state import missing
@@ -189,7 +188,7 @@ def _done(state: State, task: Task, seed: int, programs: int, fleet: Fleet) -> N
     if not chunks:
         return
     if done:
-        click.echo(f"{done:,} programs were done before; going on", err=True)
+        click.echo(f"{done:,} programs were done before; continuing", err=True)
     with Progress() as progress, fleet.racing_workers(partial(judged_chunk, task=task)) as do:
         while chunks:
             again = []
@@ -197,7 +196,8 @@ def _done(state: State, task: Task, seed: int, programs: int, fleet: Fleet) -> N
                 first, count = chunks[place]
                 piece = result
                 if isinstance(piece, Lost):
-                    if count > 1:  # one of its programs ends processes: which one is seen when each is alone
+                    # a program in this chunk kills processes: run each program alone to find it
+                    if count > 1:
                         again += [(one, 1) for one in range(first, first + count)]
                         continue
                     piece = lost_piece(first, task.robot_of(first), piece.reason)
@@ -208,7 +208,7 @@ def _done(state: State, task: Task, seed: int, programs: int, fleet: Fleet) -> N
 
 
 def _once(seed: int, task: Task, format_: str) -> None:
-    """Draw, judge and print one program."""
+    """Generate a random program, judge it, and print the result."""
     from yarclang.campaign.judging import judged_program
     from yarclang.campaign.report import program_data, program_text
 

@@ -32,7 +32,7 @@ _PAUSE = 0.3
 @click.command("check")
 @click.argument("paths", nargs=-1, required=True, metavar="PATH...", type=click.Path(allow_dash=True))
 @click.option(
-    "--fix", is_flag=True, help="Apply fixes until none is left; none that would break the program."
+    "--fix", is_flag=True, help="Apply fixes until none is left, except those that would break the program."
 )
 @click.option("--diff", is_flag=True, help="Show what --fix would change, and write nothing.")
 @click.option("--watch", is_flag=True, help="Check again whenever a file changes, until Ctrl-C.")
@@ -42,14 +42,12 @@ _PAUSE = 0.3
     default=True,
     help="Plan and prove the motions (default), or only check without planning.",
 )
-@click.option("--strict", is_flag=True, help="A warning counts as an error.")
+@click.option("--strict", is_flag=True, help="Treat warnings as errors.")
 @finding_words(
-    "--select", help="Report (and fix) only these besides errors: codes, their beginnings (Y06), or names."
+    "--select", help="Besides errors, report (and fix) only these: codes, prefixes of codes (Y06), or names."
 )
 @finding_words("--ignore", help="Don't report (or fix) these; errors are always reported.")
-@click.option(
-    "--max-findings", type=click.IntRange(min=0), metavar="N", help="Largest number of findings to show."
-)
+@click.option("--max-findings", type=click.IntRange(min=0), metavar="N", help="Show at most N findings.")
 @click.option(
     "--format",
     "format_",
@@ -113,13 +111,13 @@ def command(
 def _check_usage(paths: tuple[str, ...], fix: bool, diff: bool, watch: bool, format_: str) -> None:
     """Reject options that exclude each other."""
     if fix and diff:
-        raise click.UsageError("--fix writes and --diff doesn't: choose one")
+        raise click.UsageError("--fix writes files and --diff doesn't: choose one")
     if watch and (fix or diff or STANDARD in paths or format_ != "text"):
         raise click.UsageError(
-            "--watch goes with files, folders and --format text, and neither --fix nor --diff"
+            "--watch needs files or folders and --format text; it can't be combined with --fix or --diff"
         )
     if format_ != "text" and (diff or (fix and STANDARD in paths)):
-        raise click.UsageError(f"--format {format_} and what was changed would both go to standard output")
+        raise click.UsageError(f"--format {format_} and the changed program would both go to standard output")
 
 
 def _shown(select: frozenset[str] | None, ignore: frozenset[str] | None) -> frozenset[str] | None:
@@ -143,7 +141,7 @@ def _checked(
     writes: bool = False,
     diff: bool = False,
 ) -> bool:
-    """Check files and report their findings; return True if the exit status is to report a failure."""
+    """Check files and report their findings; return True if the exit status should report a failure."""
     from yarclang.cli.checks import check_all
     from yarclang.cli.show import show_findings
     from yarclang.report.finding import count_text
@@ -178,15 +176,32 @@ def _checked(
         if fixes:
             verb = "would be applied" if diff else "applied"
             click.echo(f"{_counted(fixes, 'fix', 'fixes')} {verb} in {_counted(changed, 'file')}", err=True)
-        click.echo(
-            f"{_counted(len(files), 'file')} checked: "
-            f"{count_text(found, notes=True) or 'nothing to complain of'}",
-            err=True,
-        )
+        elif writes or diff:
+            click.echo(f"no fix applied: {_why_unfixed(found)}", err=True)
+        count = count_text(found, notes=True)
+        result = f": {count}" if count else ", no problems found"
+        click.echo(f"{_counted(len(files), 'file')} checked{result}", err=True)
         if fleet.remark:
             click.echo(f"  {fleet.remark}", err=True)
     failed = any(one.is_error or (strict and one.severity == "warning") for one in found)
     return failed or (diff and changed > 0)
+
+
+def _why_unfixed(found: Sequence[Diagnostic]) -> str:
+    """Return the reasons why no fix was applied, with the codes of the remaining findings."""
+    if not found:
+        return "there are no findings"
+    by_choice = sorted({one.code for one in found if one.fix is not None and one.fix.by_choice})
+    refused = sorted({one.code for one in found if one.fix is not None and not one.fix.by_choice})
+    why = []
+    if refused:
+        why.append(f"the fix of {', '.join(refused)} would cause an error or change a motion")
+    if by_choice:
+        codes = ",".join(by_choice)
+        why.append(f"the fix of {', '.join(by_choice)} needs --select {codes}")
+    if others := sorted({one.code for one in found if one.fix is None}):
+        why.append(f"{', '.join(others)} {'has' if len(others) == 1 else 'have'} no automatic fix")
+    return "; ".join(why)
 
 
 def _put(done: Done, *, diff: bool) -> tuple[Diagnostic, ...]:

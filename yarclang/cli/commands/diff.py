@@ -32,7 +32,7 @@ _COLOURS = {"+": "green", "-": "red", "~": "yellow"}
     type=Numbers("MM[,DEG]", most=2, positive=True),
     help="Allowed difference of the tool (default: the robot's path tolerance; DEG in the same ratio).",
 )
-@click.option("--all", "all_commands", is_flag=True, help="Show commands that are the same, too.")
+@click.option("--all", "all_commands", is_flag=True, help="Also show commands that don't differ.")
 @click.option(
     "--robot", metavar="NAME|PATH", help="A robot of the standard library, or the path of a robot.toml."
 )
@@ -54,7 +54,7 @@ def command(
     program can't be read or compiled.
     """
     if first == second == "-":
-        raise click.UsageError("only one of them can be standard input")
+        raise click.UsageError("only one of the two programs can be standard input")
     from yarclang.cli.work import Progress
 
     with Progress() as progress:
@@ -88,7 +88,7 @@ def _compared(
     one, other = programs
     if (one.robot.name, one.robot.joint_names) != (other.robot.name, other.robot.joint_names):
         message = (
-            f"{first} is for {one.robot.name}, {second} for {other.robot.name}: their ways can't be compared"
+            f"{first} is for {one.robot.name}, {second} for {other.robot.name}: their paths can't be compared"
         )
         show_findings((Diagnostic("Y1163", message, help="give two programs for one robot"),))
         raise SystemExit(1)
@@ -111,8 +111,8 @@ def _show(comparison: Comparison, all_commands: bool, format_: str) -> None:
 
 
 def _tolerance(asked: tuple[float, ...] | None, usual: Tolerance) -> Tolerance:
-    """Return the requested tolerance in mm and deg. If the angle isn't given, its ratio to the length is that
-    of the robot's own tolerance.
+    """Return the requested tolerance in SI, or the robot's own tolerance `usual` if none is requested. If
+    only a length [mm] is requested, the ratio of angle to length is that of `usual`.
     """
     from yarclang.robot.model import Tolerance
     from yarclang.units import DEG, MM
@@ -138,14 +138,16 @@ def _read(file: str, robot: str | None, cell: str | None) -> tuple[Executed | No
         if read.value is None:
             return None, read.diagnostics
         if not is_compiled_text(read.value.text):
-            message = "this isn't a text that yarcc has written"
-            return None, (Diagnostic("Y1151", message, read.value, help="give what yarcc made of a program"),)
+            message = "this text wasn't written by yarcc"
+            return None, (Diagnostic("Y1151", message, read.value, help="give a .pmc that yarcc wrote"),)
         found = robot_of_text(read.value, robot)
         if found.value is None:
             return None, found.diagnostics
         if found.value.fingerprint not in read.value.text[:_HEADER]:
             click.echo(
-                f"{file} was made for {found.value.name} as it was then; it is read as for today's", err=True
+                f"{file} was compiled for an earlier description of {found.value.name}; it is read with "
+                "the present one",
+                err=True,
             )
         made = executed(read.value.text, found.value, file)
         return made.value, (*found.diagnostics, *made.diagnostics)

@@ -86,7 +86,9 @@ def command(file: str, to: Address | None, first: str | None, **options: Any) ->
 
 
 def _served(source: Source, to: Address | None, options: dict[str, Any], lines: Lines) -> int | None:
-    """Run a program on a served robot; None if the robot isn't served."""
+    """Run a program on a robot that a running coordinator serves, and return the exit status; None if no
+    coordinator serves the robot.
+    """
     from yarclang.cli.attaching import place_served, served_at
     from yarclang.cli.executing import execute
     from yarclang.cli.loading import load_order, robot_of

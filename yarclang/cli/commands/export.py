@@ -69,7 +69,7 @@ _KINDS = {".yaml": "yaml", ".yml": "yaml", ".json": "json", ".bag": "bag"}
 @click.option(
     "--overwrite",
     is_flag=True,
-    help="Overwrite files that weren't written by an export, or were changed since.",
+    help="Also overwrite files that no export has written, or that were changed since.",
 )
 @tm_option
 @cell_option
@@ -86,7 +86,7 @@ def command(
     """Export to ROS: MoveIt's configuration of a robot (--moveit), the nodes that move a served robot
     (--driver), or the certified motion of a program (--ros).
 
-    A trajectory has as few way-points as possible with which every driver that interpolates by cubics or
+    A trajectory has as few waypoints as possible with which every driver that interpolates by cubics or
     quintics stays within the tolerance of the certified path. Actions between motions (SET, WAIT, HOLD, WHEN)
     are written beside the trajectories.
     """
@@ -103,7 +103,8 @@ def command(
         return
     if robot is not None:
         raise click.UsageError(
-            "--robot: not with --driver, whose nodes serve any robot; name it when they are started"
+            "--robot can't be used with --driver, whose nodes serve any robot: name the robot when "
+            "starting them"
         )
     from yarclang.export.driver import driver_package
 
@@ -120,12 +121,13 @@ def _export_program(file: str, output: str | None, overwrite: bool, wanted: dict
     version: Version = 1 if wanted["version"] == "1" or (wanted["version"] is None and kind == "bag") else 2
     if kind == "bag" and version == 2:
         raise click.UsageError(
-            "a .bag is of ROS 1; export .yaml or .json for ROS 2, or convert the bag: rosbags-convert"
+            ".bag is a format of ROS 1; for ROS 2 export .yaml or .json, or convert the bag with "
+            "rosbags-convert"
         )
     refuse_collisions([file], [(destination, "the trajectories")])
     if output is None and not overwrite and destination != STANDARD and Path(destination).exists():
         raise click.UsageError(
-            f"{destination} is there already; write elsewhere, or over it, with -o or --overwrite"
+            f"{destination} exists already; write elsewhere with -o, or replace it with --overwrite"
         )
     made, diagnostics = _trajectories(file, wanted)
     if made is not None:
@@ -138,7 +140,7 @@ def _export_program(file: str, output: str | None, overwrite: bool, wanted: dict
     unit = "rad" if not made.robot.chain.is_prismatic.any() else "rad or m"
     several = "y" if made.size == 1 else "ies"
     click.echo(
-        f"{made.size} trajector{several}, {len(made.points.time):,} way-points, within {made.worst:.3g} "
+        f"{made.size} trajector{several}, {len(made.points.time):,} waypoints, within {made.worst:.3g} "
         f"{unit} of the certified path by {', '.join(made.proved)} interpolation; written to "
         f"{'standard output' if destination == STANDARD else destination}",
         err=destination == STANDARD,
@@ -177,7 +179,7 @@ def _written(made: Exported, kind: str, version: Version, destination: str) -> F
 
 
 def _bag(made: Exported) -> bytes | Found:
-    """Return the bytes of a bag; if it can't be created, findings."""
+    """Return the bytes of a ROS bag, or findings if it can't be created."""
     import tempfile
 
     from yarclang.diagnostics import Diagnostic
@@ -194,7 +196,7 @@ def _bag(made: Exported) -> bytes | Found:
         return (Diagnostic("Y1533", message, help=help_),)
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
-        message = f"{tempfile.gettempdir()}, where bags are made, can't be written: {reason}"
+        message = f"{tempfile.gettempdir()}, the folder in which bags are written, can't be used: {reason}"
         return (Diagnostic("Y0107", message, help="make room there, or set TMPDIR"),)
 
 
@@ -204,7 +206,7 @@ def _kind(destination: str) -> Literal["yaml", "json", "bag"]:
         return "yaml"
     extension = Path(destination).suffix.lower()
     if extension not in _KINDS:
-        wrong = f"{extension} can't be written" if extension else "the extension says the kind of file"
+        wrong = f"{extension} can't be written" if extension else "the extension selects the file type"
         raise click.BadParameter(f"{wrong}; there are .yaml, .json and .bag", param_hint="-o")
     return _KINDS[extension]  # type: ignore[return-value]
 

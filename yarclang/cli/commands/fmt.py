@@ -35,7 +35,7 @@ class _Command(click.Command):
 
 @click.command("fmt", cls=_Command)
 @click.argument("paths", nargs=-1, required=True, metavar="PATH...", type=click.Path(allow_dash=True))
-@click.option("--check", "checks", is_flag=True, help="Write nothing; say which files would be changed.")
+@click.option("--check", "checks", is_flag=True, help="Write nothing; list the files that would be changed.")
 @click.option("--diff", is_flag=True, help="Write nothing; show what would be changed.")
 @click.option(
     "--renumber",
@@ -118,6 +118,6 @@ def _summarise(files: int, changed: int, failed: int, *, would: bool) -> None:
 
     same = files - changed - failed
     parts = [f"{counted(changed)} {'would be changed' if would else 'changed'}"] * (changed > 0)
-    parts += [f"{counted(same)} {'is' if same == 1 else 'are'} in form"] * (same > 0)
-    parts += [f"{counted(failed)} left as {'it is' if failed == 1 else 'they are'}"] * (failed > 0)
+    parts += [f"{counted(same)} already formatted"] * (same > 0)
+    parts += [f"{counted(failed)} left unchanged because of errors"] * (failed > 0)
     click.echo(", ".join(parts), err=True)

@@ -46,7 +46,7 @@ from yarclang.cli.options import PositiveNumber, cell_option, robot_option
         "output."
     ),
 )
-@click.option("--moving", default="TCP", help="The frame whose poses and twists are meant (default: TCP).")
+@click.option("--moving", default="TCP", help="The frame that poses and twists refer to (default: TCP).")
 @click.option(
     "--speed",
     type=PositiveNumber("MM_S"),
@@ -90,7 +90,7 @@ def command(to: Address | None, robot: str | None, **options: Any) -> None:
         if found.diagnostics:
             lines.say(findings_line(found.diagnostics))
         if (whose := found.value) is None:
-            lines.say(refused_line("the robot isn't known; nothing moved", "see the findings"))
+            lines.say(refused_line("the robot can't be read; nothing moved", "see the findings"))
             raise SystemExit(1)
         if (served := served_at(to, lambda: whose)) is not None:
             raise SystemExit(follow(whose, place_served(served, whose, options), options, lines))

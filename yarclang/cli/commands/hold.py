@@ -7,7 +7,8 @@ import click
 from yarclang.cli.address import run_option, trouble_is_said
 
 _PATIENCE = 5.0
-"""Longest wait until a run holds [s]. It is longer than the detection of a lost connection."""
+"""Longest wait until a run holds [s]. It is longer than the time after which a lost connection is detected.
+"""
 
 
 @click.command("hold")
@@ -21,7 +22,7 @@ def command(run: str | None) -> None:
         chosen = the_run(run)
         status = order(chosen, "hold", _PATIENCE)
         if status is None:
-            click.echo(f"{chosen.name}: has ended meanwhile")
+            click.echo(f"{chosen.name}: the run has ended in the meantime")
         elif status["state"] == "hold":
             click.echo(
                 f"{chosen.name}: holding on the path, {status['done']:.1f} s done, {status['left']:.1f} s "

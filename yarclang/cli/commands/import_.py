@@ -26,7 +26,7 @@ _TIME = re.compile(r"MIN|[0-9]+(\.[0-9]+)?%?", re.ASCII)
 
 
 class _Units(ParamType["UnitsByKind"]):
-    """Units separated by commas, at most one of a kind."""
+    """Parser of units separated by commas, at most one of each kind."""
 
     name = "LENGTH,ANGLE,TIME"
 
@@ -40,7 +40,7 @@ class _Units(ParamType["UnitsByKind"]):
         for word in str(value).split(","):
             unit = UNITS.get(word.strip().lower())
             if unit is None:
-                self.fail(f"{word!r} is no unit; there are {', '.join(UNITS)}", param, ctx)
+                self.fail(f"{word!r} isn't a unit; the units are {', '.join(UNITS)}", param, ctx)
             if unit.kind in found:
                 self.fail(f"{value!r} has two units of {unit.kind}", param, ctx)
             found[unit.kind] = unit
@@ -48,7 +48,7 @@ class _Units(ParamType["UnitsByKind"]):
 
 
 class _Time(ParamType[str]):
-    """Content of a command's [ ]."""
+    """Parser of a motion time, as in the square brackets of a command."""
 
     name = "TIME"
 
@@ -56,7 +56,7 @@ class _Time(ParamType[str]):
         """Parse MIN, a share such as 50%, or seconds."""
         text = str(value).upper()
         if not _TIME.fullmatch(text) or float(text.strip("MIN%") or 1) <= 0:
-            self.fail(f"{value!r} is none of MIN, a share such as 50%, or a number of seconds", param, ctx)
+            self.fail(f"{value!r} must be MIN, a share such as 50%, or a number of seconds", param, ctx)
         return text
 
 
@@ -79,13 +79,17 @@ class _Time(ParamType[str]):
         "file has joint values with times)."
     ),
 )
-@click.option("--time", type=_Time(), help="MIN, 50% or seconds for the whole, instead of the file's times.")
+@click.option(
+    "--time",
+    type=_Time(),
+    help="Duration of the whole motion (MIN, 50% or seconds), instead of the file's times.",
+)
 @click.option(
     "--every",
     type=click.IntRange(min=1),
     metavar="N",
     default=1,
-    help="Take each N-th target only; of a height field, join N by N cells.",
+    help="Take only every N-th target; for a height field, join N by N cells.",
 )
 @click.option(
     "--tolerance",
@@ -95,7 +99,7 @@ class _Time(ParamType[str]):
 @click.option(
     "--topic",
     metavar="NAME",
-    help="Topic of a bag to read. Joint states count as a recording.",
+    help="Topic to read from a bag. Joint states are read as a recorded motion.",
 )
 @click.option(
     "--voxel",
@@ -105,7 +109,7 @@ class _Time(ParamType[str]):
 @click.option(
     "--spacing",
     type=PositiveNumber("MM"),
-    help="Distance of neighbouring heights of a height field, in mm.",
+    help="Spacing of the grid of a height field, in mm.",
 )
 def command(
     file: str,
@@ -123,7 +127,7 @@ def command(
 ) -> None:
     """Make a YARC program from FILE: a CSV table, a ROS trajectory (YAML, JSON, or a bag), or an SRDF.
 
-    FILE.csv becomes FILE.yarc; - reads standard input. Way-points keep their times; long lists go into a CSV
+    FILE.csv becomes FILE.yarc; - reads standard input. Waypoints keep their times; long lists go into a CSV
     file beside the program. The program isn't planned: use yarc check. A point cloud, FILE.pcd or FILE.ply,
     becomes FILE.stl, a mesh for a cell.toml; so does a height field, FILE.npy, or FILE.csv with --spacing.
     """
@@ -158,7 +162,7 @@ def command(
     destination = beside(file, ".yarc") if output is None else output
     refuse_collisions([file], [(destination, "the program")])
     if output is None and destination != STANDARD and Path(destination).exists():
-        raise click.UsageError(f"{destination} is there already; write elsewhere, or over it, with -o")
+        raise click.UsageError(f"{destination} exists already; replace it, or write elsewhere, with -o")
     named = tuple(name.strip() for name in joints.split(",")) if joints is not None else ()
     if form == "timed" and time is not None:
         raise click.UsageError("--as timed keeps the file's times; leave --time out")
@@ -174,7 +178,7 @@ def command(
         places = [str(Path(destination).parent / name) for name, _ in made.files]
         refuse_collisions([file], [(place, "a trajectory") for place in places])
         if output is None and (present := next((one for one in places if Path(one).exists()), None)):
-            raise click.UsageError(f"{present} is there already; write elsewhere, or over it, with -o")
+            raise click.UsageError(f"{present} exists already; replace it, or write elsewhere, with -o")
         for place, (_, content) in zip(places, made.files, strict=True):
             diagnostics += write_whole(Path(place), content)
         diagnostics += (
@@ -189,7 +193,7 @@ def command(
             f"{'<stdin>' if file == STANDARD else file}: {count_text(diagnostics)}; nothing written", err=True
         )
     elif destination != STANDARD:
-        click.echo(f"written to {' and '.join((destination, *places))}; yarc check plans it")
+        click.echo(f"written to {' and '.join((destination, *places))}; plan it with yarc check")
     raise SystemExit(1 if failed else 0)
 
 

@@ -24,7 +24,10 @@ _MOST_PLACES = 8
 @file_argument("file", metavar="FILE.yarc|FILE.pmc")
 @click.argument("place", required=False, metavar="[P0010]")
 @click.option(
-    "--line", type=click.IntRange(1), metavar="N", help="The command that line N of the file belongs to."
+    "--line",
+    type=click.IntRange(1),
+    metavar="N",
+    help="Show the command to which line N of the file belongs.",
 )
 @click.option(
     "--source",
@@ -33,9 +36,9 @@ _MOST_PLACES = 8
     help="For a .pmc: its program (default: looked for beside it, and in the working folder).",
 )
 @click.option(
-    "--ways", is_flag=True, help="Show all ways and loops of a program as a tree, with their times."
+    "--ways", is_flag=True, help="Show all branches and loops of a program as a tree, with their durations."
 )
-@click.option("--all-lines", is_flag=True, help="Show the command's controller text whole.")
+@click.option("--all-lines", is_flag=True, help="Show all lines of the command's controller text.")
 @planning_options
 @tm_option
 @format_option
@@ -60,15 +63,15 @@ def command(
 
     if ways:
         if place is not None or line is not None or source is not None or is_compiled(file):
-            raise click.UsageError("--ways goes with a program alone, the .yarc file")
+            raise click.UsageError("--ways needs the program itself, a .yarc file, and no command")
         raise SystemExit(_ways_of(file, format_, planning))
     if (place is None) == (line is None):
-        raise click.UsageError("say which command: its index, such as P0010, or --line N; or --ways")
+        raise click.UsageError("name a command: its index, such as P0010, or --line N; or use --ways")
     if is_compiled(file):
         _check_compiled_usage(planning)
         raise SystemExit(_of_text(file, place, line, source, all_lines, format_, planning))
     if source is not None:
-        raise click.UsageError("--source goes with a .pmc")
+        raise click.UsageError("--source can be used only with a .pmc")
     raise SystemExit(_of_program(file, place, line, all_lines, format_, planning))
 
 
@@ -148,8 +151,8 @@ def _numbers(program: Program, place: str | None, line: int | None) -> tuple[int
 
 
 def _say_unknown(program: Program, place: str | None, line: int | None, wrong: bool, findings: Any) -> None:
-    """Report that no command matches the one that was named: by the findings that explain it, or else by a
-    list of the existing commands.
+    """Report that no command matches the user's selection. Show the errors that may be the reason, and list
+    existing commands.
     """
     from yarclang.cli.show import show_findings
     from yarclang.diagnostics import Diagnostic, grouped, in_order
@@ -159,11 +162,11 @@ def _say_unknown(program: Program, place: str | None, line: int | None, wrong: b
     if wrong:
         show_findings(in_order(grouped(one for one in findings if one.is_error)))
     labels = list(dict.fromkeys(labels_of(program).values()))
-    what = f"no command stands at {place}" if place is not None else f"no command comes from line {line}"
+    what = f"there is no command {place}" if place is not None else f"line {line} has no command"
     meant = suggest(place, labels) if place is not None and not wrong else ""
     listed = ", ".join(labels[:_MOST_PLACES]) + (", ..." if len(labels) > _MOST_PLACES else "")
     hidden = "; errors may hide it" if wrong else ""
-    help_ = meant or (f"there are {listed}" if listed else "the program has no command that is understood")
+    help_ = meant or (f"there are {listed}" if listed else "the program has no readable command")
     show_findings((Diagnostic("Y1164", what + hidden, program.source, help=help_),))
 
 
@@ -208,7 +211,7 @@ def _show(
         click.echo(f"elsewhere: {elsewhere}; `yarc check` shows them", err=True)
     if len(different := list(dict.fromkeys(places))) > 1:
         click.echo(
-            f"{wanted} stands at {len(different):,} places; this is the first, say another one:", err=True
+            f"{wanted} is at {len(different):,} places; this is the first. Choose another one:", err=True
         )
         for one in different[:_MOST_PLACES]:
             click.echo(f"  {one}", err=True)
@@ -257,8 +260,8 @@ def _of_text(
         return 1
     text = read.value.text
     if not is_compiled_text(text):
-        message = "this isn't a text that yarcc has written"
-        show_findings((Diagnostic("Y1151", message, read.value, help="give what yarcc made of a program"),))
+        message = "this text wasn't written by yarcc"
+        show_findings((Diagnostic("Y1151", message, read.value, help="give a .pmc that yarcc wrote"),))
         return 1
     mapped = map_lines(text)
     if line is not None:
@@ -274,14 +277,14 @@ def _of_text(
         steps = matching(labels, place or "")
         if not steps:
             listed = ", ".join(list(labels.values())[:_MOST_PLACES])
-            message = f"no command stands at {place}"
+            message = f"there is no command {place}"
             show_findings((Diagnostic("Y1164", message, read.value, help=f"there are {listed}"),))
             return 1
         first = labels[steps[0]]
         stretches = tuple(one for step in steps if labels[step] == first for one in mapped.of(step))
         different = len({labels[step] for step in steps})
         if different > 1 and format_ == "text":
-            click.echo(f"{place} stands at {different:,} places; this is the first", err=True)
+            click.echo(f"{place} is at {different:,} places; this is the first", err=True)
     origins = _origins(file, read.value, source, planning.get("robot"), planning.get("cell"))
     if format_ == "json":
         _print_text_json(mapped, stretches, line, origins, text)
@@ -297,7 +300,7 @@ def _origins(file: str, source: Any, program: str | None, robot: str | None, cel
 
     found = robot_of_text(source, robot)
     if found.value is None:
-        return Origins(None, "its robot isn't known here: give its place with --robot PATH")
+        return Origins(None, "its robot wasn't found: give the path of its robot.toml with --robot PATH")
     return origins_of_text(source.text, Path(file).parent, found.value, program, cell)
 
 
@@ -330,7 +333,9 @@ def _text_sections(
         told.append(origin.source.line(origin.span.line).strip())
     else:
         told.append(f"{listed.title}, line {listed.source_line} of {mapped.program} or of a module of it")
-        told.append(f"by the text's own comments: {origins.missing or 'the program has no such command'}")
+        told.append(
+            f"according to the text's own comments: {origins.missing or 'the program has no such command'}"
+        )
     told.append(f"step {listed.step} of the program")
     sections.append(Section("command", tuple(told)))
     own = mapped.of(listed.step)

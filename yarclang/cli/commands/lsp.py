@@ -23,9 +23,11 @@ def _address(ctx: click.Context, param: click.Parameter, value: str | None) -> t
     "--tcp",
     callback=_address,
     metavar="[HOST:]PORT",
-    help="Wait for one editor on a port instead, of this machine unless HOST is given.",
+    help="Wait for one editor on this TCP port instead (of this computer, unless HOST is given).",
 )
-@click.option("--robot", metavar="NAME|PATH", help="The robot of programs that name none, as for yarc check.")
+@click.option(
+    "--robot", metavar="NAME|PATH", help="The robot for programs without a ROBOT line, as for yarc check."
+)
 def command(stdio: bool, tcp: tuple[str, int] | None, robot: str | None) -> None:
     """Start the language server, which checks programs during typing. Editors start it themselves.
 

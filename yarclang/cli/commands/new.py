@@ -68,4 +68,4 @@ def command(name: str, robot: str | None, template: str | None) -> None:
     if has_errors(found):
         raise SystemExit(1)
     (folder / CHECK).chmod((folder / CHECK).stat().st_mode | 0o111)
-    click.echo(f"{name} is made; cd {name}, then yarc check {name}.yarc")
+    click.echo(f"{name} was created; cd {name}, then yarc check {name}.yarc")

@@ -31,6 +31,6 @@ def command(percent: float, run: str | None) -> None:
         chosen = the_run(run)
         status = order(chosen, "override", _PATIENCE, percent=percent)
         if status is None:
-            click.echo(f"{chosen.name}: has ended meanwhile")
+            click.echo(f"{chosen.name}: the run has ended in the meantime")
         else:
             click.echo(f"{chosen.name}: {status['override']:g} % of the programmed speed ({status['state']})")

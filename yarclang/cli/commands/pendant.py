@@ -26,7 +26,7 @@ _LIBRARIES = ("argon2", "cryptography", "starlette", "uvicorn", "websockets")
     "--host",
     default="127.0.0.1",
     show_default=True,
-    help="Address to listen on. Beyond this machine only with TLS.",
+    help="Address to listen on. Other addresses than loopback require TLS.",
 )
 @click.option(
     "--port",
@@ -39,7 +39,7 @@ _LIBRARIES = ("argon2", "cryptography", "starlette", "uvicorn", "websockets")
     "--name",
     "names",
     multiple=True,
-    help="A name by which browsers may call this server as well. May be given several times.",
+    help="Another host name under which browsers may reach this server. May be given several times.",
 )
 @click.option(
     "--tls",

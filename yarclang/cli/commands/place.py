@@ -53,7 +53,8 @@ def _ranges(
         if not -_LARGEST[axis] <= least <= most <= _LARGEST[axis]:
             unit = "mm" if len(axis) == 1 else "deg"
             raise click.BadParameter(
-                f"'{value}': the first is at most the second, both within {_LARGEST[axis]:g} {unit}."
+                f"'{value}': the first value must not exceed the second, and both must be within "
+                f"{_LARGEST[axis]:g} {unit}."
             )
         found[axis] = axis, least, most
     return tuple(found.values())
@@ -67,7 +68,8 @@ def _ranges(
     multiple=True,
     metavar="AXIS=FROM:TO",
     callback=_ranges,
-    help="How far the frame may be moved from where it is now, along or about an axis of its parent: X, Y, "
+    help="Range in which the frame may be moved from its present place, along or about an axis of its "
+    "parent: X, Y, "
     "Z in mm, RX, RY, RZ in deg; once for each axis (default: X=-300:300 and Y=-300:300).",
 )
 @click.option(
@@ -75,14 +77,15 @@ def _ranges(
     "aim",
     type=click.Choice(["time", "clearance"]),
     default="time",
-    help="What is best: the shortest time (default), or the largest clearance from the cell.",
+    help="What to optimize: the shortest time (default), or the largest clearance from the cell.",
 )
 @click.option(
     "--grid",
     type=click.IntRange(2, 50),
     metavar="N",
     help=(
-        "Places along each axis to begin with (default: 17 along one axis, 7 along two, 5 along three, "
+        "Number of places along each axis in the first grid (default: 17 along one axis, 7 along two, 5 "
+        "along three, "
         "otherwise 3)."
     ),
 )
@@ -91,7 +94,7 @@ def _ranges(
     type=click.IntRange(1, 100_000),
     default=300,
     metavar="N",
-    help="Candidates to try altogether (default: 300).",
+    help="Total number of candidates to try (default: 300).",
 )
 @click.option(
     "--apply", "applies", is_flag=True, help="Write the best place into the file that declares the frame."
@@ -183,7 +186,7 @@ def _show(task: Task, placing: Placing, format_: str, *, applies: bool) -> None:
     if format_ != "json":
         click.echo(f"\nbest: {_said(task.box, best)}")
         click.echo(
-            difference(before.name, before.text, after.text) or "it stands at the best place", nl=False
+            difference(before.name, before.text, after.text) or "it is at the best place already", nl=False
         )
     if applies and before.text != after.text:
         if before.name == "<stdin>":
@@ -205,7 +208,7 @@ def _said(box: Sequence[Range], one: Candidate) -> str:
         if value
     ]
     clearance = "" if one.clearance is None else f", {one.clearance * 1e3:.1f} mm from the cell"
-    return f"{', '.join(moves) or 'where it stands'}: {one.seconds:.2f} s{clearance}"
+    return f"{', '.join(moves) or 'the present place'}: {one.seconds:.2f} s{clearance}"
 
 
 def _map(task: Task, placing: Placing) -> Iterator[str]:
@@ -224,7 +227,7 @@ def _map(task: Task, placing: Placing) -> Iterator[str]:
         if not one.is_possible:
             letters.setdefault((one.code, one.label, one.reason), _letter(len(letters)))
     unit = "s" if task.aim == "time" else "mm from the cell"
-    yield f"{{{task.frame}}} in {{{task.parent}}}: {unit}, by the shift along {first.axis}" + (
+    yield f"{{{task.frame}}} in {{{task.parent}}}: {unit}, by its shift along {first.axis}" + (
         f" (across) and {second.axis} (up)" if second else ""
     )
     columns = placing.numbers[0]
@@ -254,7 +257,7 @@ def _shown(one: Candidate | None, letters: dict[tuple[str, str, str], str], aim:
 
 
 def _letter(number: int) -> str:
-    """Return a, b, ... z, aa, ab, ..."""
+    """Return the letters for a number from 0: a, b, ... z, aa, ab, ..."""
     return (_letter(number // 26 - 1) if number >= 26 else "") + chr(ord("a") + number % 26)
 
 

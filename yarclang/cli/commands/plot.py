@@ -58,7 +58,7 @@ def command(
     refuse_collisions(destinations, [(destination, file) for file, destination in destinations.items()])
     logs = {file for file in destinations if file != STANDARD and is_log(file)}
     if logs and (given := [f"--{name}" for name, value in planning.items() if value is not None]):
-        raise click.UsageError(f"{', '.join(given)}: the log of a run says that itself")
+        raise click.UsageError(f"{', '.join(given)}: a run's log contains this already")
     if _draw(destinations, formats, logs, planning, jobs, scheduler):
         raise SystemExit(1)
 
@@ -71,7 +71,7 @@ def _draw(
     jobs: int | None,
     scheduler: str,
 ) -> bool:
-    """Draw all files in their order; return True if there is no picture of one of them."""
+    """Draw all files in their order; return True if one of them has no picture."""
     from yarclang.cli.fleet import Fleet
     from yarclang.cli.pictures import draw_programs, draw_run, put
     from yarclang.cli.work import Progress, options_from
@@ -91,12 +91,12 @@ def _draw(
 
 
 def _format(destination: str) -> Any:
-    """Return the format by the extension. An unknown extension is a usage error."""
+    """Return the format of a picture by the extension of its file. An unknown extension is a usage error."""
     if destination == STANDARD:
         return "png"
     extension = Path(destination).suffix.removeprefix(".").lower()
     if extension not in _FORMATS:
         known = ", ".join(f".{one}" for one in _FORMATS)
-        wrong = f".{extension} can't be drawn" if extension else "the extension says the format"
+        wrong = f".{extension} can't be drawn" if extension else "the extension selects the format"
         raise click.BadParameter(f"{wrong}; there are {known}", param_hint="-o")
     return extension

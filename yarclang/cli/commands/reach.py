@@ -51,7 +51,8 @@ def command(
 
 
 def _destinations(names: tuple[str, ...], output: str | None, folder: Path) -> dict[str, str]:
-    """Return for each robot the path of its picture, or findings if the robot can't be read.
+    """Return the path of the picture for each robot. If a robot can't be read, show the findings and leave it
+    out.
 
     Raises:
         click.UsageError: two robots have the same name.

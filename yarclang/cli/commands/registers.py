@@ -15,7 +15,7 @@ def command(file: str | None, forget: bool) -> None:
     on each controller.
     """
     if forget and file is None:
-        raise click.UsageError("--forget: say of which program")
+        raise click.UsageError("--forget: name the program")
     with trouble_is_said():
         from yarclang.coordinator import kept_registers, taught_places
 
@@ -27,7 +27,7 @@ def command(file: str | None, forget: bool) -> None:
         found = kept_registers.listed(program=program)
         places = taught_places.places(program)
     if not found and not places:
-        click.echo("no register is kept" + (f" of {file}" if file else ""))
+        click.echo("no register values are stored" + (f" for {file}" if file else ""))
     lines: dict[tuple[str, str], list[str]] = {}
     for one in found:
         lines.setdefault((one.program, one.controller), []).append(f"{one.register} is {one.value}")

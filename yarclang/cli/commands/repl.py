@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @click.command("repl")
 @session_options
-@click.option("--go", is_flag=True, help="Move without asking, as .go does.")
+@click.option("--go", is_flag=True, help="Move without asking for confirmation, as .go does.")
 def command(to: Address | None, **options: Any) -> None:
     """Work with a robot live: each line is planned from where it stands, certified, shown, and carried out.
 
@@ -62,7 +62,8 @@ async def _session(robot: Robot, place: Place, options: dict[str, Any]) -> int:
                 check_cell(client, options["cell"])
             if (cell := client.welcome.status.cell) is not None:
                 click.echo(cell_text(cell), err=True)
-            with contextlib.suppress(Trouble):  # another client owns it: this one only watches at first
+            # if another client owns the robot, this client only watches at first
+            with contextlib.suppress(Trouble):
                 await client.ask(orders.Own(shared=True))
             interpreter = Interpreter(
                 client, robot, click.echo, folder, asks=not options["go"], tm=options["tm"]
@@ -76,7 +77,7 @@ async def _session(robot: Robot, place: Place, options: dict[str, Any]) -> int:
             log = await _released(client)
     except NotReady as trouble:
         click.echo(checked_table(trouble.inspection.errors), err=True)
-        click.echo(f"{place} isn't what {robot.name} needs", err=True)
+        click.echo(f"{place} doesn't fit {robot.name}", err=True)
         return 1
     except Trouble as trouble:
         click.echo(trouble_text(trouble), err=True)

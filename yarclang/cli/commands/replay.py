@@ -43,7 +43,7 @@ class _Speed(ParamType[float]):
     metavar="N|max",
     default="1",
     show_default=True,
-    help="Speed: as recorded, N times as fast, or at once.",
+    help="Speed: 1 as recorded, N times as fast, or max for no delays.",
 )
 def command(file: str, speed: float) -> None:
     """Show a recorded run: states, remarks, progress, joint positions (deg, mm)."""

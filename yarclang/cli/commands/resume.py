@@ -27,8 +27,8 @@ def command(run: str | None, answer: int | None) -> None:
             raise click.UsageError(f"{chosen.name} asks: {asks['text'] or asks['into']}: {wanted}")
         status = order(chosen, "resume", _PATIENCE, **({} if answer is None else {"value": answer}))
         if status is None:
-            click.echo(f"{chosen.name}: has ended meanwhile")
+            click.echo(f"{chosen.name}: the run has ended in the meantime")
         else:
-            # the next part may still be loading
+            # after the order the state may still be `init`, while the next part is being loaded
             state = "going on" if status["state"] == "init" else status["state"]
             click.echo(f"{chosen.name}: {state}, {status['done']:.1f} s done, {status['left']:.1f} s left")

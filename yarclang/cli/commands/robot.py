@@ -7,9 +7,9 @@ import click
 from yarclang.cli.lazy import LazyGroup
 
 _COMMANDS = {
-    "check": "Check a robot: what is fine, what to know, what is still to do.",
+    "check": "Check a robot, and list what is still to do.",
     "list": "List the robots of the standard library, or show some.",
-    "new": "Make a robot's folder of a URDF.",
+    "new": "Make a robot's folder from a URDF.",
 }
 
 

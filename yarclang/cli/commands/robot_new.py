@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from yarclang.robot.new.folder import Arm, NewRobot, Question
     from yarclang.robot.new.sketch import Given
 
-_EACH = "one for all joints, or one a joint"
+_EACH = "one for all joints, or one per joint"
 
 
 @click.command("new")
@@ -27,9 +27,11 @@ _EACH = "one for all joints, or one a joint"
 )
 @click.option("--name", metavar="NAME", help="The robot's name in programs.")
 @click.option("--title", metavar="TEXT", help="One line about it.")
-@click.option("--base", metavar="LINK", help="The link of the URDF that is {B}, the arm's foot.")
-@click.option("--tip", metavar="LINK", help="The link that is {FLANGE}.")
-@click.option("--tcp", type=Numbers("X,Y,Z[,R,P,Y]", most=6), help="{TCP} on the flange: mm, deg.")
+@click.option("--base", metavar="LINK", help="The link of the URDF that becomes {B}, the arm's base.")
+@click.option("--tip", metavar="LINK", help="The link of the URDF that becomes {FLANGE}.")
+@click.option(
+    "--tcp", type=Numbers("X,Y,Z[,R,P,Y]", most=6), help="Pose of {TCP} relative to the flange: mm, deg."
+)
 @click.option("--home", type=Numbers("Q1,Q2,..."), help="The joint position HOME: deg, mm.")
 @click.option(
     "--position",
@@ -42,15 +44,16 @@ _EACH = "one for all joints, or one a joint"
 )
 @click.option("--acceleration", type=Numbers("A,...", positive=True), help=f"Acceleration limits: {_EACH}.")
 @click.option("--jerk", type=Numbers("J,...", positive=True), help=f"Jerk limits: {_EACH}.")
-@click.option("--counts", type=Numbers("K,..."), help=f"Encoder counts of a deg or mm: {_EACH}.")
-@click.option("--motors", type=Numbers("N,...", positive=True), help="The motors' numbers: one a joint.")
+@click.option("--counts", type=Numbers("K,..."), help=f"Encoder counts per deg or mm: {_EACH}.")
+@click.option("--motors", type=Numbers("N,...", positive=True), help="The motors' numbers: one per joint.")
 @click.option(
     "--meshes",
     multiple=True,
     type=click.Path(exists=True, file_okay=False, path_type=Path),
     metavar="FOLDER",
     help=(
-        "Also look for meshes here, by the ends of their names, and copy them (default: only from the "
+        "Also look for meshes in this folder, by the last parts of their paths, and copy them (default: "
+        "only from the "
         "URDF's own package). Repeatable."
     ),
 )
@@ -68,9 +71,9 @@ _EACH = "one for all joints, or one a joint"
 @click.option(
     "--allow-missing-meshes",
     is_flag=True,
-    help="Leave out missing collision meshes: collisions of their links aren't found.",
+    help="Leave out missing collision meshes. Collisions of their links won't be found.",
 )
-@click.option("-y", "--yes", is_flag=True, help="Ask nothing; missing values come from rules.")
+@click.option("-y", "--yes", is_flag=True, help="Don't ask questions; fill in missing values by rules.")
 def command(urdf: str, yes: bool, output: str | None, **said: Any) -> None:
     """Make a robot's folder from a URDF: robot.toml and a copy of the URDF.
 
@@ -109,7 +112,7 @@ def command(urdf: str, yes: bool, output: str | None, **said: Any) -> None:
     name = said["name"] or proposed_name(arm.urdf)
     folder = Path(output or name.lower())
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise click.UsageError(f"{folder} is there already and isn't empty; write elsewhere with -o")
+        raise click.UsageError(f"{folder} exists already and isn't empty; write elsewhere with -o")
     title = said["title"] or f"Made of {arm.path.name}"
     ends = bool(said["base"]), bool(said["tip"])
     made = make(
@@ -163,7 +166,7 @@ def _given(arm: Arm, said: dict[str, Any]) -> Given:
     if said["tcp"] is not None and len(said["tcp"]) not in (3, 6):
         raise click.UsageError(f"--tcp has {len(said['tcp'])} values; give x,y,z or x,y,z,roll,pitch,yaw")
     if said["counts"] is not None and 0.0 in said["counts"]:
-        raise click.UsageError("--counts has a 0: such a motor would move nothing")
+        raise click.UsageError("--counts has a 0: a motor without counts can't move its joint")
     motors = said["motors"]
     if motors is not None and any(number != int(number) for number in motors):
         raise click.UsageError("--motors are integers")
@@ -206,8 +209,11 @@ def _ask(arm: Arm, path: Path, said: dict[str, Any], unknown: tuple[Question, ..
 
     if not sys.stdin.isatty():
         options = ", ".join(question.option for question in unknown)
-        raise click.UsageError(f"there is no terminal to ask on: give {options}, or --yes for the rules")
-    click.echo("Enter takes what stands in brackets; as a rule's value it is marked in robot.toml.", err=True)
+        raise click.UsageError(f"questions need a terminal: give {options}, or --yes for the rules")
+    click.echo(
+        "Enter accepts the value in brackets; it comes from a rule, and is marked as a guess in robot.toml.",
+        err=True,
+    )
     asked: set[str] = set()
     while unknown:
         question = unknown[0]
@@ -269,7 +275,7 @@ def _write(folder: Path, made: NewRobot) -> None:
     if loaded.value is None or unreadable:
         show_findings((*loaded.diagnostics, *unreadable))
         _undo(folder, written)
-        click.echo(f"no robot comes of this; {folder} isn't written", err=True)
+        click.echo(f"no robot can be made from this URDF; {folder} wasn't written", err=True)
         raise SystemExit(1)
     made, robot, touched = with_home(made, loaded.value)
     toml = made.toml + collision_table(touching_pairs(robot))
@@ -282,7 +288,11 @@ def _write(folder: Path, made: NewRobot) -> None:
     joints = f"{len(chain.joints)} joint{'s' * (len(chain.joints) != 1)}"
     click.echo(f"{made.sketch.name}: {joints}, {chain.base} to {chain.flange}", err=True)
     flat = flat_meshes(loaded.value) if loaded.value is not None else ()
-    for note in (*_notes(made), *touched, *(f"{one}: the collision check sees no thickness" for one in flat)):
+    for note in (
+        *_notes(made),
+        *touched,
+        *(f"{one}: the collision check treats it as having no thickness" for one in flat),
+    ):
         click.echo(f"  note: {note}", err=True)
     for item in tool_axis(loaded.value) if loaded.value is not None else ():
         click.echo(f"  note: {item.found}{f'; {item.remedy}' if item.remedy else ''}", err=True)
@@ -305,7 +315,7 @@ def _left_out(made: NewRobot) -> tuple[Diagnostic, ...]:
     each = listed([f"{mesh} of {link}" for link, mesh in without], 4)
     message = f"{len(without)} collision mesh{'es' * (len(without) != 1)} left out: {each}."
     remedy = (
-        "Nothing sees what these links hit there. Put the files beside the URDF, and make the robot again."
+        "Collisions of these links won't be found. Put the files beside the URDF, and make the robot again."
     )
     return (Diagnostic("Y1366", message, made.arm.urdf.source, help=remedy),)
 
@@ -328,20 +338,22 @@ def _notes(made: NewRobot) -> list[str]:
     chain, urdf = made.sketch.chain, made.urdf
     notes: list[str] = list(made.arm.notes)
     if chain.other_tips and not made.sketch.tip_said:
-        notes.append(f"chains as long end at {', '.join(chain.other_tips[:6])}: choose one with --tip")
+        notes.append(
+            f"other chains of the same length end at {', '.join(chain.other_tips[:6])}: choose one with --tip"
+        )
     if chain.fingers:
         notes.append(
-            "fingers aren't joints of the arm: "
+            "finger joints aren't part of the arm: "
             f"{', '.join(chain.fingers[:6])}{', ...' * (len(chain.fingers) > 6)}"
         )
     if chain.followers:
         notes.append(
-            "joints that follow another by <mimic> (rods, counterweights) count as standing at 0: "
+            "joints that follow another by <mimic> (rods, counterweights) are treated as fixed at 0: "
             f"{listed(chain.followers)}"
         )
     vehicle = [name for name in chain.ignored if made.arm.urdf.joints[name].kind in UNARMED]
     if vehicle:
-        notes.append(f"planar and floating joints of a vehicle count as fixed: {listed(vehicle)}")
+        notes.append(f"planar and floating joints of a vehicle are treated as fixed: {listed(vehicle)}")
     others = [name for name in chain.ignored if name not in (*chain.fingers, *chain.followers, *vehicle)]
     if others:
         notes.append(
@@ -353,7 +365,8 @@ def _notes(made: NewRobot) -> list[str]:
             notes.append(f"{count} {what} mesh{'es' * (count != 1)} copied")
     if urdf.hulls:
         notes.append(
-            "of large collision meshes, the convex hull is copied, which is what counts: "
+            "large collision meshes are replaced by their convex hulls, which the collision check uses "
+            "anyway: "
             f"{listed(urdf.hulls)}"
         )
     return [*notes, *_unseen(urdf.unseen)]
@@ -372,7 +385,7 @@ def _unseen(meshes: tuple[tuple[str, str], ...]) -> Iterator[str]:
         what = "the visual mesh" if len(names) == 1 else f"{len(names)} visual meshes:"
         missing = reason == "isn't there"
         said = "aren't there" if missing and len(names) > 1 else reason
-        where = "; --package-path or --meshes says where to look for it" if missing else ""
+        where = "; give the folder with --package-path or --meshes" if missing else ""
         yield (
             f"{what} {listed(names, 3)} {said}: pictures show the collision shapes of such links, "
             f"or bars from joint to joint if no link has a shape{where}"

@@ -17,25 +17,27 @@ if TYPE_CHECKING:
 
 @click.command("run")
 @run_options
-@click.option("--step", is_flag=True, help="Pause after each command; Enter or `yarc resume` goes on.")
+@click.option("--step", is_flag=True, help="Pause after each command; continue with Enter or `yarc resume`.")
 @click.option("--loop", is_flag=True, help="Repeat without end; the program must end where it starts.")
 @click.option("--times", type=click.IntRange(1), help="Repeat N times, as --loop.")
 @click.option(
     "--job",
     type=click.IntRange(0),
     metavar="N",
-    help="FILE is a project's folder: run the program that its yarc.toml calls job N.",
+    help="FILE is a project's folder: run the program that its yarc.toml lists as job N.",
 )
 @click.option(
     "--recover",
     is_flag=True,
     help=(
-        "Move slowly from the robot's position to the program's start, or to the nearest place at which it "
-        "may begin; don't run the program."
+        "Only move slowly from the robot's position to the program's start, or to the nearest place at "
+        "which it may begin."
     ),
 )
-@click.option("--dry-run", is_flag=True, help="Check everything, move nothing.")
-@click.option("--yes", "-y", is_flag=True, help="Don't ask before an approach or a recovery.")
+@click.option("--dry-run", is_flag=True, help="Run all checks without moving.")
+@click.option(
+    "--yes", "-y", is_flag=True, help="Don't ask for confirmation before an approach or a recovery."
+)
 @motion_options
 @planning_options
 @tm_option
@@ -67,7 +69,7 @@ def command(file: str, to: Address | None, first: str | None, job: int | None, *
         if not has_keys():
             raise click.UsageError(
                 "--step waits for Enter after each command, and standard input isn't a terminal; leave "
-                "--step out, or use `yarc sim` and --to, where `yarc resume` goes on"
+                "--step out, or use `yarc sim` and --to, and continue with `yarc resume`"
             )
     loaded, diagnostics = load(source)
     if is_compiled(file):
@@ -100,7 +102,9 @@ def command(file: str, to: Address | None, first: str | None, job: int | None, *
 
 
 def _served(source: Source, to: Address | None, options: dict[str, Any]) -> int | None:
-    """Run a program on a served robot; None if the robot isn't served."""
+    """Run a program on a robot that a running coordinator serves, and return the exit status; None if no
+    coordinator serves the robot.
+    """
     from yarclang.cli.attaching import place_served, served_at
     from yarclang.cli.loading import load_order, robot_of
 
@@ -133,7 +137,9 @@ def _check_usage(to: Address | None, options: dict[str, Any]) -> None:
     if options["recover"] and (
         names := [f"--{name}" for name in ("step", "loop", "times", "approach") if options[name]]
     ):
-        raise click.UsageError(f"--recover and {', '.join(names)} exclude each other: it carries nothing out")
+        raise click.UsageError(
+            f"--recover and {', '.join(names)} exclude each other: a recovery doesn't run the program"
+        )
     if options["loop"] and options["times"]:
         raise click.UsageError("--loop and --times exclude each other")
 

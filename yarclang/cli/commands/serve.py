@@ -22,8 +22,8 @@ _LARGEST_PORT = 65535
     "--values",
     metavar="[HOST:]PORT",
     help=(
-        "Let a camera, the gateway of a PLC or a script give running programs their values through this "
-        "TCP port (0: any that is free), of this computer if no HOST is given. They must send the token."
+        "TCP port (0: any free one; of this computer if no HOST is given) at which a camera, the gateway "
+        "of a PLC or a script sends values to running programs. It must send the token."
     ),
 )
 @click.option(

@@ -48,7 +48,7 @@ def command(robot: str, file: str | None) -> None:
 
 
 def _check(file: str, robot: Robot) -> None:
-    """Check a file, and report the proof."""
+    """Check a settings text in a file, and print what was proved."""
     from yarclang.cli.show import show_findings
     from yarclang.pipeline.settings import check_settings
     from yarclang.pipeline.sources import name_of, read_content
@@ -58,7 +58,7 @@ def _check(file: str, robot: Robot) -> None:
     show_findings(content.diagnostics)
     if content.value is None:
         raise SystemExit(1)
-    # latin-1 keeps every byte: the controller decodes nothing
+    # latin-1 keeps every byte: the controller doesn't decode the text either
     judged = check_settings(SourceFile(name_of(file), content.value.decode("latin-1")), robot)
     show_findings(judged.diagnostics)
     if judged.value is None:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 _LOOK = 0.2
-"""Time between two looks for words that the simulator doesn't simulate [s]."""
+"""Time between two checks for words that the simulator doesn't simulate [s]."""
 
 
 class _Rate(ParamType[float | None]):
@@ -40,7 +40,7 @@ class _Rate(ParamType[float | None]):
         except ValueError:
             rate = math.nan
         if not 0.0 < rate < math.inf:
-            self.fail(f"{value!r} is neither real nor max nor a positive number", param, ctx)
+            self.fail(f"{value!r} must be real, max or a positive number", param, ctx)
         return rate
 
 
@@ -53,7 +53,7 @@ class _Address(ParamType[str]):
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
         if not str(value).strip():
-            self.fail("it is empty; all addresses are 0.0.0.0", param, ctx)
+            self.fail("it is empty; use 0.0.0.0 for all addresses", param, ctx)
         return str(value).strip()
 
 
@@ -79,8 +79,8 @@ on and amplifiers stay bad until $$$.
     "--robot",
     metavar="NAME|PATH",
     shell_complete=complete_robots,
-    help="Start commissioned for this robot: its settings loaded and saved, homed, closed-loop, standing at "
-    "HOME (default: a bare controller as after $$$***).",
+    help="Start commissioned for this robot: its settings loaded and saved, motors homed and "
+    "closed-loop, at HOME (default: a bare controller as after $$$***).",
 )
 @click.option(
     "--port",
@@ -94,7 +94,7 @@ on and amplifiers stay bad until $$$.
     type=_Address(),
     default="127.0.0.1",
     show_default=True,
-    help="Address to listen on. Other addresses than loopback let the network in.",
+    help="Address to listen on. Addresses other than loopback are reachable over the network.",
 )
 @click.option(
     "--rate",
@@ -103,7 +103,8 @@ on and amplifiers stay bad until $$$.
     default="real",
     show_default=True,
     help=(
-        "Speed of time: real time, N times as fast (if the computer can), or as fast as possible. `yarc "
+        "Speed of the simulated time: real time, N times as fast (if the computer can), or as fast as "
+        "possible. `yarc "
         "run --to` needs real time."
     ),
 )
@@ -112,7 +113,7 @@ on and amplifiers stay bad until $$$.
     "faults",
     metavar="FAULT",
     multiple=True,
-    help="A fault and its time: see below. May be given several times.",
+    help="A fault and its start time: see below. May be given several times.",
 )
 @cell_option
 @inputs_option
@@ -134,7 +135,7 @@ def command(
     import asyncio
 
     if cell is not None and robot is None:
-        raise click.UsageError("--cell needs --robot: a cell is read for a robot")
+        raise click.UsageError("--cell needs --robot: a cell belongs to a robot")
     bench, whose = _bench(robot)
     try:
         wrong = tuple(bench.fault(one) for one in faults)
@@ -177,7 +178,7 @@ def _bench(robot: str | None) -> tuple[Bench, Robot | None]:
 def _made(backend: Backend) -> Bench:
     if backend.bench is None:
         raise click.UsageError(
-            f"{backend.kind.title} has no simulator on a port: use `yarc run`, which simulates"
+            f"{backend.kind.title} has no simulator with a TCP port: use `yarc run`, which simulates it"
         )
     return backend.bench()
 
@@ -229,7 +230,7 @@ async def _serve(server: Server, what: str) -> None:
             "anyone there can give commands",
             err=True,
         )
-    rate = "as fast as it goes" if server.rate is None else f"{server.rate:g} times real time"
+    rate = "as fast as possible" if server.rate is None else f"{server.rate:g} times real time"
     if server.rate == 1.0:
         rate = "real time"
     click.echo(f"{what} listens on {_place(server)}, {rate}; Ctrl-C stops it")

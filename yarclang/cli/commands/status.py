@@ -101,7 +101,7 @@ def _ask_controller(to: Address, name: str) -> Picture:
     if loaded.value is None:
         raise SystemExit(1)
     if (run := run_on(to.host, to.port)) is not None:
-        click.echo(f"{run.name} drives this controller: see `yarc status --run {run.name}`", err=True)
+        click.echo(f"{run.name} drives this controller: use `yarc status --run {run.name}`", err=True)
     elif (holder := holder_of(to.host, to.port)) is not None:
         click.echo(f"{holder} drives this controller", err=True)
     return asyncio.run(_look(to, loaded.value))

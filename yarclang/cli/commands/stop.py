@@ -37,12 +37,14 @@ is stopped.
 @click.command("stop")
 @run_option
 @controller_options
-@click.option("--abort", is_flag=True, help="Each motor stops at once at its Ixx15, off the path.")
+@click.option(
+    "--abort", is_flag=True, help="Stop each motor at once with its deceleration Ixx15, off the path."
+)
 def command(run: str | None, to: Address | None, robot: str | None, abort: bool) -> None:
-    """End a run: on its path, at rest.
+    """End a run: the robot slows down on its path, and the program ends.
 
-    With --to and --robot it needs no run: whatever the robot's coordinate system does is ended, for example
-    after a killed run.
+    With --to and --robot, no run is needed: the motion of the robot is ended, whatever has started it; for
+    example after a killed run.
     """
     check_controller_options(to, robot, run)
     with trouble_is_said():
@@ -77,9 +79,7 @@ def _stop_controller(to: Address, name: str, what: str) -> None:
         raise SystemExit(1)
     _tell_run(to, what)
     joints = asyncio.run(_end(to, robot, what))
-    where = (
-        f"stands at {described(robot, joints)}" if joints is not None else "isn't homed any more: look at it"
-    )
+    where = f"is at {described(robot, joints)}" if joints is not None else "isn't homed any more: inspect it"
     click.echo(f"no program runs on {to}; {robot.name} {where}")
 
 
@@ -101,7 +101,7 @@ def _tell_run(to: Address, what: str) -> None:
                 )
                 click.echo(text, err=True)
             return
-        click.echo(f"{run.name} drives this controller and is asked to end", err=True)
+        click.echo(f"{run.name} drives this controller, and was asked to end", err=True)
         send(run, what, timeout=_TELL)
         while run_on(to.host, to.port) is not None and time.monotonic() < until:
             time.sleep(0.05)

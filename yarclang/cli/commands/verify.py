@@ -16,9 +16,9 @@ def command(text: str, proof: str | None) -> None:
     """Check a controller text by the proof that `yarcc --proof` has written beside it, with a small separate
     checker: standard library, integers and fractions.
 
-    It prints the checked and unchecked properties, and the robot and program of the proof. The exit status is
-    0 if all was checked, 1 if the text or its proof was refused, 3 if no fault was found but a part wasn't
-    checked.
+    It prints the robot and the program of the proof, and the properties that were checked, that the program
+    exempts from its limits, and that were not checked. The exit status is 0 if all was checked, 1 if the text
+    or its proof was refused, 3 if no fault was found but a part wasn't checked.
     """
     from yarclang.verify.__main__ import main
 

@@ -24,9 +24,9 @@ _LIBRARY = "viser"
 @click.option(
     "--live",
     is_flag=True,
-    help="Instead of FILE: show a robot that is running. Its inputs can be set if it is simulated.",
+    help="Instead of FILE: show a running robot. If it is simulated, its inputs can be set.",
 )
-@partial(run_option, which="With --live: which run")
+@partial(run_option, which="With --live: the run")
 @click.option(
     "--to",
     type=AddressType(sim=False),
@@ -44,9 +44,9 @@ _LIBRARY = "viser"
     "--host",
     default="127.0.0.1",
     show_default=True,
-    help="Address to listen on. Other addresses than loopback let the network in.",
+    help="Address to listen on. Addresses other than loopback are reachable over the network.",
 )
-@click.option("--no-browser", is_flag=True, help="Open no browser; the address is printed in any case.")
+@click.option("--no-browser", is_flag=True, help="Don't open a browser; the address is always printed.")
 @planning_options
 @tm_option
 def command(
@@ -59,12 +59,11 @@ def command(
     no_browser: bool,
     **planning: Any,
 ) -> None:
-    """Show a program, its robot and its cell in three dimensions, in a browser, until Ctrl-C. - reads
-    standard input.
+    """Show a program, its robot and its cell in three dimensions, in a browser, until Ctrl-C.
 
-    FILE is a program (.yarc), a controller text (.pmc), or the log of a run (.mcap), which is shown beside
-    its plan. Programs with errors are shown as far as they can be planned; findings are marked on the path.
-    --live shows a robot that `yarc serve`, `run` or `repl` drives now, without moving it.
+    FILE is a program (.yarc; - for standard input), a controller text (.pmc), or the log of a run (.mcap),
+    which is shown beside its plan. Programs with errors are shown as far as they can be planned; findings are
+    marked on the path. --live shows a robot that `yarc serve`, `run` or `repl` drives now, without moving it.
     """
     _check_usage(file, live, run, to, planning)
     from importlib.util import find_spec
@@ -75,7 +74,7 @@ def command(
             "brings it"
         )
     if not host.strip():
-        raise click.BadParameter("it is empty; all addresses are 0.0.0.0", param_hint="--host")
+        raise click.BadParameter("it is empty; use 0.0.0.0 for all addresses", param_hint="--host")
     from yarclang.view.door import Door
 
     door = Door(host.strip(), port)
@@ -98,15 +97,15 @@ def _check_usage(
         if given:
             raise click.UsageError(f"{' and '.join(given)}: only with --live")
         if file is None:
-            raise click.UsageError("Missing argument 'FILE'; --live shows a robot that is running.")
+            raise click.UsageError("Missing argument 'FILE'; --live shows a running robot.")
         return
     if file is not None:
-        raise click.UsageError(f"--live shows a robot that is running, and no file: leave {file} out")
+        raise click.UsageError(f"--live shows a running robot instead of a file: leave {file} out")
     if run is not None and to is not None:
         raise click.UsageError("--to and --run exclude each other")
     if given := [f"--{name}" for name, value in planning.items() if value is not None]:
         raise click.UsageError(
-            f"{', '.join(given)}: not with --live; the process that drives the robot knows it"
+            f"{', '.join(given)}: not with --live; this comes from the process that drives the robot"
         )
 
 
@@ -125,7 +124,7 @@ def _stage(file: str, planning: dict[str, Any]) -> Stage:
         f"--{name}" for name, value in planning.items() if value is not None and name not in ("robot", "cell")
     ]
     if given and (is_log(file) or is_compiled(file)):
-        raise click.UsageError(f"{', '.join(given)}: {file} is planned already")
+        raise click.UsageError(f"{', '.join(given)}: {file} contains its plan already")
     with Progress() as progress:
         found = opened(file, options_from(planning), robot_of_text)
         progress.pause()

@@ -36,7 +36,7 @@ def _suite(file: str, found: list[Diagnostic], strict: bool) -> str:
     )
     cases = [_case(file, one, strict) for one in found]
     if not found:
-        cases = [f'    <testcase classname={_attribute(file)} name="nothing to complain of" time="0"/>']
+        cases = [f'    <testcase classname={_attribute(file)} name="no problems found" time="0"/>']
     return "\n".join([head, *cases, "  </testsuite>"])
 
 

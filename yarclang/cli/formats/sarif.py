@@ -122,8 +122,8 @@ def _fix(fix: Fix, artifact: dict[str, str]) -> dict[str, Any]:
 
 
 def _related(within: Within) -> dict[str, Any]:
-    """Return where in a module a finding comes from, as a related location of SARIF. An installed module has
-    a name instead of a file of this project.
+    """Return the place in a module that causes a finding, as a related location of SARIF. An installed module
+    has a name instead of a file of this project.
     """
     place: dict[str, Any] = {"id": 1, "message": {"text": within.text}}
     if within.source.is_installed:
@@ -145,6 +145,6 @@ def _region(span: Span) -> dict[str, int]:
 
 
 def _uri(path: str) -> str:
-    """Return a path as a relative reference, or an absolute path as a file URI."""
+    """Return a relative path as a URI reference, and an absolute path as a file URI."""
     pure = PurePath(path)
     return pure.as_uri() if pure.is_absolute() else quote(pure.as_posix())

@@ -1,3 +1,3 @@
-"""Check the zones of a cell: which bodies and points they watch, how far these are from the zones' borders,
-and the proof that the zones are respected along a motion.
+"""Check the zones of a cell: the bodies and points that they watch, the distances of these from the zones'
+borders, and the proof that the zones are respected along a motion.
 """

@@ -1,4 +1,4 @@
-"""Find from when to when a zone is broken during a motion, and by how much, for messages."""
+"""Find the time of a motion during which a zone is broken, and the depth of the breach, for messages."""
 
 from __future__ import annotations
 
@@ -15,11 +15,14 @@ SAMPLES = 200
 
 @frozen
 class Beyond:
-    """The time of a motion during which a zone is broken.
+    """The time of a motion during which a zone is broken. The values are sampled.
 
-    It lasts from `begin` to `end` [s] after the motion's start. At `worst` [s] the zone is broken most:
-    `slack` is then its distance from being broken, which is negative [m; rad or m for a joint window]. The
-    values are sampled: between the samples the slack may be slightly less.
+    Attributes:
+        begin: start of this time, after the motion's start [s].
+        end: end of this time, after the motion's start [s].
+        worst: time of the sample at which the zone is broken most, after the motion's start [s].
+        slack: distance from a violation at this sample, which is negative [m; rad or m for a joint window].
+            Between the samples it may be slightly less.
     """
 
     begin: float
@@ -41,10 +44,11 @@ def beyond(scene: Scene, course: Course, span: tuple[int, int], watch: Watch, se
     start, stop = (float(course.begins[edge]) for edge in span)
     times = np.sort(np.append(np.linspace(start, stop, SAMPLES), seen))
     slack = slack_at(scene, watch, course.at(times))
-    # Distances at one place may differ by rounding from call to call.
+    # Distances at one place may differ by rounding from call to call: allow for this.
     limit = max(slack_of(watch), float(slack.min()) * (1.0 - 1e-6))
     (bad,) = np.nonzero(slack <= limit)
     ends = []
+    # The breach begins and ends between two samples: find both times by bisection.
     for here, beside in ((int(bad[0]), int(bad[0]) - 1), (int(bad[-1]), int(bad[-1]) + 1)):
         inner, outer = float(times[here]), float(times[min(max(beside, 0), len(times) - 1)])
         for _ in range(20 if 0 <= beside < len(times) else 0):

@@ -12,7 +12,7 @@ from yarclang.transforms import constant
 from yarclang.units import MM
 
 _FAR = 1e6
-"""Farther than any arm reaches [m]."""
+"""Distance that no arm reaches [m]."""
 
 EVERYWHERE = HalfSpace(constant(np.array([0.0, 0.0, 1.0])), -_FAR)
 

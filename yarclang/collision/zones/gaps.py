@@ -22,12 +22,12 @@ from yarclang.shapes import Array
 
 
 def depth_inside(region: Place, item: Item, posed: Posed) -> Array:
-    """Return how deep an item is inside a region at each of P instants (P,) [m]; negative if a point of the
+    """Return the depth of an item inside a region at each of P instants (P,) [m]; negative if a point of the
     item is outside.
     """
     faces = faces_of(region)
     if faces is not None:
-        # Least distance of the farthest point from any face.
+        # The depth below a face is that of the item's outermost point. The least depth of all faces counts.
         flat: Array = (faces.offsets[:, None] - posed.support(item, faces.normals)).min(axis=0)
         return flat
     # A convex function, such as the signed distance, is largest at a corner of the item's hull.
@@ -61,11 +61,12 @@ def distance_outside(region: Place, item: Item, posed: Posed, normal: Array | No
 
 
 def _apart(shape: Any, placed: Any, item: Item, posed: Posed, normal: Array | None) -> Array:
-    """Compute `distance_outside` of a body by the library coal."""
+    """Compute `distance_outside` of a body with the library coal."""
     import coal
 
     assert item.base_from_body is not None
     request, answer, there = coal.DistanceRequest(), coal.DistanceResult(), coal.Transform3s()
+    # Compute the pose of the body's shape at each instant, from its pose with all joints at zero.
     turns = posed.turn.transpose(2, 0, 1) @ item.base_from_body[:3, :3]
     shifts = posed.point(item.base_from_body[:3, 3])
     found = np.empty(len(turns))
@@ -89,7 +90,7 @@ def roughly_outside(region: Place, item: Item, ends: tuple[Posed, Posed], way: A
         way: (P,) upper bounds of the distance that the item's points travel on each piece [m].
     """
     before, behind = (outside(region, posed.point(item.middle)) for posed in ends)
-    # A signed distance changes no faster than its point moves.
+    # The signed distance of a point changes by no more than the point moves.
     least: Array = (before + behind - way) / 2.0 - item.bound
     return least
 
@@ -112,8 +113,9 @@ def least_outside(
     long = pieces.end - pieces.begin
     normal = np.empty((len(long), 3))
     seen = distance_outside(region, item, posed[1], normal)
-    # Use the plane that separates both in the middle: its gap at three instants, less the deviation from the
-    # two chords between them, A (d/2)² / 8.
+    # Use the plane that separates region and item in the middle of the piece. The distance is at least the
+    # least gap at the piece's beginning, middle and end, less the deviation A (d/2)² / 8 from the chords in
+    # between. Here A bounds the acceleration, and d is the duration of the piece.
     planes = np.minimum.reduce([-one.support_each(item, -normal) for one in posed])
     planes = planes - reach(region, normal) - bounds.second[pieces.segment] * long**2 / 32.0
     least: Array = np.maximum(planes, seen - bounds.first[pieces.segment] * long / 2.0)

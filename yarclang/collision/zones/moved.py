@@ -1,6 +1,4 @@
-"""Compute where watched items are, and how fast, at instants of a motion, and bounds between these
-instants.
-"""
+"""Compute poses and velocities of watched items at instants of a motion, and bounds between the instants."""
 
 from __future__ import annotations
 
@@ -23,9 +21,11 @@ from yarclang.shapes import Array
 class Posed:
     """The pose and velocity, at P instants, of a body that some of the joints move.
 
-    `turn` (3, 3, P) and `shift` (3, P) [m] are the rotation and translation of the body from its pose with
-    all joints at zero. `angular` [rad/s] and `linear` [m/s] (3, P) are its angular velocity, and the velocity
-    of its point at the origin of {B}.
+    Attributes:
+        turn: (3, 3, P) rotation of the body from its pose with all joints at zero.
+        shift: (3, P) translation of the body from its pose with all joints at zero [m].
+        angular: (3, P) angular velocity of the body [rad/s].
+        linear: (3, P) velocity of the body's point that is at the origin of {B} [m/s].
     """
 
     turn: Array
@@ -44,13 +44,13 @@ class Posed:
         return moved.T
 
     def support(self, item: Item, directions: Array) -> Array:
-        """Return how far an item reaches in unit directions (F, 3): the largest d · p over its points p, (F,
-        P) [m].
+        """Return the support function of an item in unit directions (F, 3): the largest d · p over its points
+        p, (F, P) [m].
         """
         return _reach(item, np.tensordot(directions, self.turn, axes=1)) + directions @ self.shift
 
     def support_each(self, item: Item, directions: Array) -> Array:
-        """Return how far an item reaches (P,) [m], in one unit direction (3,) for each instant (P, 3)."""
+        """Return the support function (P,) of an item [m], in one unit direction per instant (P, 3)."""
         own = np.einsum("pi,ijp->jp", directions, self.turn)
         reach: Array = _reach(item, own) + np.einsum("pi,ip->p", directions, self.shift)
         return reach
@@ -59,10 +59,11 @@ class Posed:
         """Return the speed of the fastest point of an item (P,) [m/s]; slightly too large if the item is
         round.
         """
+        # A point p has the velocity omega x p plus the velocity of the body's point at the origin of {B}.
         at = np.matmul(item.points, self.turn) + self.shift[:, None]
         velocity = _cross(self.angular[:, None], at) + self.linear[:, None]
         fastest: Array = np.sqrt(np.einsum("ivp,ivp->vp", velocity, velocity).max(axis=0))
-        # A point of the disc or ball moves with its center, plus the turn times its distance from the center.
+        # The velocity of a point of the disc or ball is that of its center plus angular velocity x distance.
         turning: Array = (item.disc + item.radius) * np.sqrt(
             np.einsum("ip,ip->p", self.angular, self.angular)
         )
@@ -84,9 +85,10 @@ class Posed:
 
 @frozen(eq=False)
 class Arm:
-    """The poses and velocities of all parts of the arm at P instants, with the fields of `Posed`.
+    """The poses and velocities of all parts of the arm at P instants.
 
-    Row k belongs to a body that the first k joints move.
+    The fields are those of `Posed`, with one more dimension in front: row k belongs to a body that the first
+    k joints move.
     """
 
     turn: Array
@@ -100,14 +102,15 @@ class Arm:
         `rate`, it is at rest.
         """
         placed = place(scene, q)
-        # `Posed` has the instants last.
+        # `Posed` needs the instants as the last dimension.
         turn, shift = placed.turn.transpose(0, 2, 3, 1), placed.shift.transpose(0, 2, 1)
         angular, linear = np.zeros(shift.shape), np.zeros(shift.shape)
         for joint in range(scene.chain.size if rate is not None else 0):
             assert rate is not None
             screw = scene.chain.screws[joint]
             spin, slide = np.matmul(screw[3:], turn[joint]), np.matmul(screw[:3], turn[joint])
-            # The velocity of a point at the origin of {B}: slide + shift x spin.
+            # Per unit of the joint's rate, the body's point at the origin of {B} has the velocity slide +
+            # shift x spin.
             slide += _cross(shift[joint], spin)
             np.multiply(spin, rate[:, joint], out=angular[joint + 1])
             angular[joint + 1] += angular[joint]
@@ -121,8 +124,8 @@ class Arm:
 
 
 def _reach(item: Item, directions: Array) -> Array:
-    """Return how far an item reaches in unit directions (..., 3, P) in its own axes: the largest d · p over
-    its points p, (..., P) [m].
+    """Return the support function of an item in unit directions (..., 3, P) in its own axes: the largest d ·
+    p over its points p, (..., P) [m].
     """
     reach: Array = np.matmul(item.points, directions).max(axis=-2) + item.radius
     if item.disc:
@@ -142,8 +145,8 @@ def _cross(one: Array, other: Array) -> Array:
 
 @frozen(eq=False)
 class Rates:
-    """Upper bounds on each of N segments of a motion, (N,) each, over all points of an item: of speed [m/s],
-    acceleration [m/s^2] and jerk [m/s^3].
+    """Upper bounds of the speed [m/s], acceleration [m/s^2] and jerk [m/s^3] of all points of an item, (N,)
+    each, on the N segments of a motion.
     """
 
     first: Array
@@ -154,12 +157,13 @@ class Rates:
 def rates(chain: Chain, course: Course, item: Item) -> Rates:
     """Bound speed, acceleration and jerk of an item's points on each segment of a motion.
 
-    A partial derivative of a point with respect to some joints is a nested cross product with their axes; the
-    innermost axis is that of the joint nearest to the point. The derivative is at most the point's distance
-    from that axis. Summed over the nearest joint m, the derivatives are at most R_m (B_m - B_(m-1)). B stands
-    for the expressions w, w² + a and w³ + 3 w a + j of the sums w, a, j over the joints up to m. A prismatic
-    joint occurs at most once, innermost, and with length 1: its terms are the derivative of B in its
-    direction.
+    A partial derivative of a point with respect to some joints is a nested cross product with their axes. The
+    innermost axis is that of the joint m nearest to the point, so the derivative is at most R_m, the largest
+    distance of the item's points from this axis. The time derivatives are therefore at most the sum over
+    the joints m of R_m (B_m - B_(m-1)). Let w, a and j be the sums of the bounds of speed, acceleration and
+    jerk over the joints up to m. Then B_m is w for the speed of the point, w² + a for its acceleration, and
+    w³ + 3 w a + j for its jerk. A prismatic joint moves the point along a vector of length 1 that the joints
+    before it turn; Leibniz' rule gives the derivatives of this product.
 
     Args:
         chain: the arm.
@@ -174,13 +178,15 @@ def rates(chain: Chain, course: Course, item: Item) -> Rates:
     for joint in range(item.joint):
         if slide[joint]:
             s, v, u = (values[:, joint] * slide[joint] for values in (w, a, j))
-            # A slide is a vector of constant length 1 times its distance, turned by the joints before it:
-            # Leibniz' rule.
+            # Apply Leibniz' rule to the displacement by a prismatic joint: its position times a vector of
+            # length 1 that the joints before it turn.
             first = first + s
             second = second + 2.0 * sum_w * s + v
             third = third + 3.0 * (sum_w**2 + sum_a) * s + 3.0 * sum_w * v + u
         if not turn[joint]:
             continue
+        # Compute B before and after this joint. R_m (B_m - B_(m-1)) bounds the sum of all partial derivatives
+        # in which this joint is the one nearest to the point.
         before = sum_w, sum_w**2 + sum_a, sum_w**3 + 3.0 * sum_w * sum_a + sum_j
         sum_w = sum_w + w[:, joint] * turn[joint]
         sum_a = sum_a + a[:, joint] * turn[joint]
@@ -203,7 +209,8 @@ def _reaches(chain: Chain, course: Course, item: Item) -> tuple[Array, Array, Ar
         by which each joint turns and slides per unit of its position.
     """
     lines = lines_of(chain)
-    # Largest |q| of each joint: at the start of a segment, plus its travel within the segment.
+    # The largest distance of each joint from zero is at most that at the start of a segment, plus the travel
+    # within the segment.
     way = np.abs(course.x).max(axis=0) + np.diff(course.way, axis=0).max(axis=0)
     point, length = item.middle, item.bound
     reach = np.zeros(chain.size)
@@ -221,8 +228,12 @@ def _reaches(chain: Chain, course: Course, item: Item) -> tuple[Array, Array, Ar
 
 @frozen(eq=False)
 class Pieces:
-    """Pieces of a motion's time: `segment` (P,) contains the piece, which goes from `begin` to `end` (P,) [s]
-    after the start of this segment.
+    """Pieces of a motion's time.
+
+    Attributes:
+        segment: (P,) index of the segment in which each piece lies.
+        begin: (P,) start of each piece, from the start of its segment [s].
+        end: (P,) end of each piece, from the start of its segment [s].
     """
 
     segment: Rows
@@ -272,10 +283,11 @@ class Ends:
     def __init__(self, scene: Scene, course: Course, pieces: Pieces, *, moving: bool = False) -> None:
         begin, rate = joints(course, pieces.segment, pieces.begin)
         end, last = joints(course, pieces.segment, pieces.end)
-        # Ends that are not the next segment's begin are computed separately, such as the last one.
+        # Compute separately those ends that aren't the start of the next segment, such as the last one.
         off = (np.abs(end[:-1] - begin[1:]) > _SAME).any(axis=1)
         off |= (np.abs(last[:-1] - rate[1:]) > _SAME).any(axis=1)
         jumps = np.append(np.flatnonzero(off), len(end) - 1)
+        # All other segments end where the next one starts.
         q, there = np.concatenate([begin, end[jumps]]), np.concatenate([rate, last[jumps]])
         self.arm = Arm.at(scene, q, there if moving else None)
         self.begins = np.arange(len(begin))
@@ -305,7 +317,7 @@ class Whole:
 
 
 _SAME = 1e-10
-"""Difference of joint positions and rates up to which they differ only by rounding [rad or m, and per s]."""
+"""Largest difference of joint positions [rad or m] and of their rates [per s] that counts as rounding."""
 
 
 def joints(course: Course, segment: Rows, time: Array) -> tuple[Array, Array]:

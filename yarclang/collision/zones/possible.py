@@ -31,7 +31,7 @@ def impossible_zones(robot: Robot, cell: Cell) -> Iterator[Diagnostic]:
         for other in cell.zones[:at]:
             why = why or _beside(robot, other, zone)
         if why is not None:
-            yield _told("Y0913", cell, zone, f"nothing can keep to the zone {zone.name}: {why}.", _REMEDY)
+            yield _told("Y0913", cell, zone, f"no motion can respect the zone {zone.name}: {why}.", _REMEDY)
 
 
 def home_in_zones(robot: Robot, cell: Cell) -> Iterator[Diagnostic]:
@@ -46,13 +46,11 @@ def home_in_zones(robot: Robot, cell: Cell) -> Iterator[Diagnostic]:
             message = (
                 f"{robot.name}'s HOME breaks the zone {watch.zone.name}: {_how(robot, scene, watch, slack)}."
             )
-            help_ = (
-                "A program that starts in HOME can't keep to it: give it another START, or correct the zone."
-            )
+            help_ = "A program that starts in HOME is refused: give it another START, or correct the zone."
             yield _told("Y0914", cell, watch.zone, message, help_)
 
 
-_REMEDY = "Correct its size, place or margin, or what it watches."
+_REMEDY = "Correct its size, place, margin or watched bodies."
 
 
 def _told(code: str, cell: Cell, zone: Zone, message: str, help_: str) -> Diagnostic:
@@ -62,22 +60,22 @@ def _told(code: str, cell: Cell, zone: Zone, message: str, help_: str) -> Diagno
 
 
 def _by_itself(robot: Robot, zone: Zone) -> str | None:
-    """Return the reason why no robot position respects a zone, taken by itself; None if the zone can be
-    respected.
+    """Return the reason why no robot position respects a zone, even without any other zone; None if the zone
+    can be respected.
     """
     for window in (zone.region, zone.posture):
         if isinstance(window, JointWindow) and (zone.rule in ("allowed", "posture")):
             joint = _joint_without(robot, window, robot.limits)
             if joint is not None:
-                return f"its window for {joint} is outside of that joint's limits"
+                return f"its window for {joint} is outside of the limits of {joint}"
     region, limits = zone.region, robot.limits
     if isinstance(region, JointWindow):
         covered = ((region.lower <= limits.lower) & (limits.upper <= region.upper)).all()
         return (
-            "its window takes all positions of its joints" if zone.rule == "forbidden" and covered else None
+            "its window covers all positions of its joints" if zone.rule == "forbidden" and covered else None
         )
     if zone.rule == "allowed" and isinstance(region, ShapeRegion) and _depth(region) <= zone.margin > 0.0:
-        return f"its margin of {zone.margin / MM:.4g} mm leaves no room in it"
+        return f"its margin of {zone.margin / MM:.4g} mm leaves no room inside"
     return None
 
 
@@ -98,22 +96,22 @@ def _beside(robot: Robot, first: Zone, second: Zone) -> str | None:
     rules = {first.rule, second.rule}
     if isinstance(one, JointWindow) and isinstance(other, JointWindow):
         joint = _joint_without(robot, one, other) if rules == {"allowed"} else None
-        return f"its window for {joint} has nothing in common with that of {first.name}" if joint else None
+        return f"its window for {joint} doesn't overlap with that of {first.name}" if joint else None
     if isinstance(one, Unplaced) or isinstance(other, Unplaced) or not set(first.watch) & set(second.watch):
         return None
     if rules == {"allowed"} and _apart(one, other, first.margin + second.margin):
-        return f"it has no room in common with {first.name}, which is allowed as well"
+        return f"it doesn't overlap with {first.name}, which is an allowed zone too"
     if rules == {"allowed", "forbidden"}:
         allowed, forbidden = (one, other) if first.rule == "allowed" else (other, one)
         if _within(allowed, forbidden):
             whole = first.name if first.rule == "forbidden" else "it"
-            return f"{'it' if whole != 'it' else first.name} lies in {whole}, which is forbidden"
+            return f"{'it' if whole != 'it' else first.name} lies inside {whole}, which is forbidden"
     return None
 
 
 def _joint_without(robot: Robot, one: JointWindow, other: JointWindow | Limits) -> str | None:
     """Return the name of a joint for which a window has no position in common with another window, or with
-    the joint limits; None if there is none.
+    the joint limits; None if there is no such joint.
     """
     low, high = np.maximum(one.lower, other.lower), np.minimum(one.upper, other.upper)
     (empty,) = np.nonzero(low > high)
@@ -143,7 +141,7 @@ def _within(inner: Place, outer: Place) -> bool:
 
 
 def _how(robot: Robot, scene: Scene, watch: Watch, slack: float) -> str:
-    """Return a clause that says how HOME breaks a zone."""
+    """Return a clause that states the way in which HOME breaks a zone."""
     zone, q = watch.zone, robot.home
     window = zone.region if isinstance(zone.region, JointWindow) else zone.posture
     if window is not None and zone.rule in ("allowed", "posture"):
@@ -154,7 +152,7 @@ def _how(robot: Robot, scene: Scene, watch: Watch, slack: float) -> str:
             "window"
         )
     if isinstance(zone.region, Tilt):
-        return f"the axis is {-slack / DEG:.4g} deg more off than it allows"
+        return f"the axis tilts {-slack / DEG:.4g} deg more than allowed"
     if isinstance(zone.region, Sight):
         aim = aimed_at(zone.region, scene, q[None])
         angle, distance = float(aim.angle[0]) / DEG, float(aim.distance[0]) / MM
@@ -165,7 +163,7 @@ def _how(robot: Robot, scene: Scene, watch: Watch, slack: float) -> str:
     beyond = -(slack + zone.margin)
     if beyond <= 0.0:
         return (
-            f"{watch.item.name} is within {-beyond / MM:.4g} mm of its border, and its margin is "
+            f"{watch.item.name} is within {-beyond / MM:.4g} mm of its border, but its margin is "
             f"{zone.margin / MM:.4g} mm"
         )
     return f"{watch.item.name} is {beyond / MM:,.6g} mm {what}"

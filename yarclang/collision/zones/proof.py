@@ -42,8 +42,12 @@ Flags = NDArray[np.bool_]
 
 @frozen
 class Breach:
-    """A zone that is broken on a motion, by its index among the watches, and the time of the first sample at
-    which this was seen [s].
+    """A zone that is violated during a motion.
+
+    Attributes:
+        motion: index of the motion.
+        watch: index of the watch (zone and item).
+        time: time of the sample at which a violation was first found, which need not be the earliest [s].
     """
 
     motion: int
@@ -55,9 +59,13 @@ class Breach:
 class Kept:
     """The result of a proof for G motions.
 
-    `least` (G,) is a lower bound of the distance [m] of all watched items from the borders that they must not
-    cross. `nearest` (G,) is the index of the watch (zone and item) that comes nearest to its border, -1 if
-    all stay above `KNOWN`, and `when` (G,) [s] the time of that sample. `breaches` are the broken watches.
+    Attributes:
+        least: (G,) lower bound of the distances of all watched items from the borders that they must not
+            cross [m].
+        nearest: (G,) index of the watch (zone and item) that comes nearest to its border; -1 if all stay
+            above `KNOWN`.
+        when: (G,) time of the sample at which this watch is nearest [s].
+        breaches: the violated zones.
     """
 
     least: Array
@@ -140,16 +148,18 @@ class _Search:
                 waiting.append((part, (begins, stops)))
 
     def _rough(self, watch: Watch, item: Item, bounds: Rates) -> Rows:
-        """Return the segments that the ball around the item can't decide; record the lower bounds of the
-        other segments.
+        """Return the segments for which the ball around the item doesn't prove that the zone is respected;
+        record the lower bounds of the other segments.
         """
         region, margin, pieces = watch.zone.region, watch.zone.margin, self.pieces
         assert not isinstance(region, Unplaced)
-        # each instant once, though it is both an end and a beginning
+        # Compute each instant once, although it may be both the end of a segment and the beginning of the
+        # next.
         far = outside(region, self.ends.arm.of(item).point(item.middle))
         before, behind = far[self.ends.begins], far[self.ends.stops]
         if watch.zone.rule == "allowed":
-            # Convexity, and the deviation from the chord: see gaps.py.
+            # The signed distance is convex, so it is largest at an end of the chord; add the deviation from
+            # the chord (see gaps.py).
             least = -np.maximum(before, behind) - item.bound - bounds.second * pieces.end**2 / 8.0
         else:
             least = (before + behind - bounds.first * pieces.end) / 2.0 - item.bound
@@ -162,6 +172,9 @@ class _Search:
     ) -> tuple[Array, Array, Array]:
         region = watch.zone.region
         assert not isinstance(region, Unplaced)
+        # The depth is a concave function along a chord, so it is least at an end. The item's points leave
+        # their chords by at most A d^2 / 8, where A bounds their acceleration, and d is the duration of the
+        # piece.
         sag = bounds.second[pieces.segment] * (pieces.end - pieces.begin) ** 2 / 8.0
         before, behind = (depth_inside(region, item, posed) for posed in ends)
         seen = np.minimum(before, behind)
@@ -172,13 +185,14 @@ class _Search:
     ) -> tuple[Array, Array, Array]:
         region, posture = watch.zone.region, watch.zone.posture
         assert not isinstance(region, Unplaced)
+        # Bound the distance that any point of the item travels on each piece.
         way = bounds.first[pieces.segment] * (pieces.end - pieces.begin)
         least = roughly_outside(region, item, ends, way)
         seen = np.full(len(least), np.inf)
         open_ = least < max(KNOWN, watch.zone.margin)
         if posture is not None:
-            # With the required posture, an item may be in the zone: only pieces that leave the posture must
-            # stay outside.
+            # An item may be in the zone while the arm has the required posture. Therefore it must stay
+            # outside only on pieces on which the arm leaves the posture.
             kept_there = (room_on(posture, pieces, self.course)[0] >= -WINDOW_SLACK).all(axis=1)
             least[kept_there] = np.inf
             open_ &= ~kept_there
@@ -202,7 +216,7 @@ class _Search:
         least, seen, when = found
         motion = self.motion[segment]
         self._break(number, segment, seen < margin - SLACK / 2.0, when, hit)
-        order = np.argsort(-seen, kind="stable")  # the smallest is written last
+        order = np.argsort(-seen, kind="stable")  # the smallest value of a motion is written last
         nearer = order[seen[order] < self.best[motion[order]]]
         self.best[motion[nearer]], self.nearest[motion[nearer]] = seen[nearer], number
         self.when[motion[nearer]] = self.course.begins[segment[nearer]] + when[nearer]
@@ -224,8 +238,8 @@ class _Search:
             if watch.zone.rule == "allowed":
                 surely = least.min(axis=1)
             else:
-                # Out of the window means that at least one joint is outside, by the largest distance of any
-                # joint.
+                # A position is out of the window if at least one joint is. Its distance from the window is
+                # the largest distance of any joint.
                 surely, seen = -most.min(axis=1), -seen
             self._break(number, pieces.segment, seen < -WINDOW_SLACK / 2.0, pieces.middle, hit)
             open_ = ~(surely >= -WINDOW_SLACK) & ~hit[self.motion[pieces.segment]]
@@ -276,7 +290,7 @@ class _Search:
             pieces = pieces.halves()
 
     def _break(self, number: int, segment: Rows, broken: Flags, when: Array, hit: Flags) -> None:
-        """Record the first sample of each motion at which a zone is broken."""
+        """Record, for each motion, the sample at which the zone is first found broken."""
         for row in np.flatnonzero(broken).tolist():
             motion = int(self.motion[segment[row]])
             if not hit[motion]:

@@ -53,6 +53,7 @@ def coal_of(region: ShapeRegion) -> tuple[Any, Any]:
 def outside(region: Place, points: Array) -> Array:
     """Return the signed distances (...,) [m] of points (..., 3) in {B} from a region."""
     if isinstance(region, HalfSpace):
+        # The half-space is n . p >= offset, with a unit normal n.
         flat: Array = region.offset - points @ region.normal
         return flat
     local = _local(region, points)
@@ -79,6 +80,7 @@ def direction(region: Place, points: Array) -> Array:
     local = _local(region, points)
     match region.shape:
         case Box(size=size):
+            # The box is symmetric: compute with absolute values, then restore the signs.
             away = _steepest(np.abs(local) - size / 2.0) * np.copysign(1.0, local)
         case Sphere():
             away = local
@@ -87,6 +89,7 @@ def direction(region: Place, points: Array) -> Array:
             away[..., 2] -= np.clip(local[..., 2], -length / 2.0, length / 2.0)
         case Cylinder(radius=radius, length=length):
             steep = _steepest(np.stack(_around(local, radius, length), axis=-1))
+            # Compute the unit vector from the axis to the point, in the plane across the axis.
             flat = local[:, :2] / np.maximum(_length(local[:, :2]), _TINY)[:, None]
             away = np.concatenate(
                 [flat * steep[:, :1], steep[:, 1:] * np.copysign(1.0, local[:, 2:])], axis=1
@@ -99,8 +102,8 @@ def direction(region: Place, points: Array) -> Array:
 
 
 def reach(region: Place, directions: Array) -> Array:
-    """Return how far a region reaches in unit directions (P, 3): the largest d · p over its points p, (P,)
-    [m].
+    """Return the support function of a region in unit directions (P, 3): the largest d · p over its points p,
+    (P,) [m].
 
     The value is infinite if the region is unbounded in that direction.
     """
@@ -108,6 +111,7 @@ def reach(region: Place, directions: Array) -> Array:
         along = directions @ region.normal
         return np.where(along < -1.0 + 1e-12, -region.offset, np.inf)
     turned = directions @ region.base_from_shape[:3, :3]
+    # The support function is that of the shape's origin plus that of the shape in its own axes.
     base: Array = directions @ region.base_from_shape[:3, 3]
     match region.shape:
         case Box(size=size):
@@ -129,17 +133,18 @@ def _local(region: ShapeRegion, points: Array) -> Array:
 
 
 def _around(local: Array, radius: float, length: float) -> tuple[Array, Array]:
-    """Return how far points are beyond the wall of a cylinder, and how far beyond its ends; negative
-    inside.
+    """Return the signed distances of points from the wall of a cylinder, and from its ends [m]; positive
+    outside.
     """
     return _length(local[..., :2]) - radius, np.abs(local[..., 2]) - length / 2.0
 
 
 def _beyond(beyond: Array) -> Array:
-    """Return the signed distance of points from a region, given their signed distances beyond its
-    perpendicular walls (..., K).
+    """Return the signed distances of points from a region with perpendicular walls, given the signed
+    distances from each wall (..., K).
     """
-    # Outside: the length of the positive components. Inside: the distance from the nearest wall.
+    # For a point outside, the distance is the length of the positive components. Inside, it is the largest
+    # component: the nearest wall counts.
     far = _length(np.maximum(beyond, 0.0))
     signed: Array = np.where(far > 0.0, far, beyond.max(axis=-1))
     return signed
@@ -148,6 +153,8 @@ def _beyond(beyond: Array) -> Array:
 def _steepest(beyond: Array) -> Array:
     """Return the gradient (P, K) of `_beyond`."""
     positive = np.maximum(beyond, 0.0)
+    # Outside, the gradient points away from the nearest point of the region; inside, it is the normal of the
+    # nearest wall.
     inside = np.eye(beyond.shape[1])[np.argmax(beyond, axis=1)]
     gradient: Array = np.where((positive > _TINY).any(axis=1, keepdims=True), positive, inside)
     return gradient

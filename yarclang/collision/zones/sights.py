@@ -1,5 +1,5 @@
-"""Measure where a point is in a cone that a zone prescribes, and bound how fast the direction from the cone's
-apex to the point changes.
+"""Measure the position of a point relative to a cone that a zone prescribes, and bound the changes of the
+direction from the cone's apex to the point.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from yarclang.shapes import Array
 
 @frozen(eq=False)
 class Aim:
-    """Where a point is relative to a cone, at P instants.
+    """The position of a point relative to a cone, at P instants.
 
     Attributes:
         angle: (P,) angle between the cone's axis and the direction from its apex to the point [rad].
@@ -33,7 +33,7 @@ class Aim:
 
 
 def aimed(sight: Sight, chain: Chain, turn: Array, shift: Array) -> Aim:
-    """Return where the point is relative to the cone at P instants.
+    """Return the position of the point relative to the cone at P instants.
 
     Args:
         sight: the cone and the point.
@@ -48,20 +48,21 @@ def aimed(sight: Sight, chain: Chain, turn: Array, shift: Array) -> Aim:
         axis = np.matmul(chain.base_from_flange[:3, :3] @ np.array(sight.axis), turn)
     else:
         way, axis = carried - spot, np.array(sight.axis)[:, None]
+    # atan2 of cross and dot product is accurate near 0 and pi, where arccos of the dot product is not.
     across = np.cross(axis.T, way.T).T
     angle = np.arctan2(np.sqrt((across**2).sum(axis=0)), (axis * way).sum(axis=0))
     return Aim(angle, np.sqrt((way**2).sum(axis=0)), way)
 
 
 def aimed_at(sight: Sight, scene: Scene, q: Array) -> Aim:
-    """Return where the point is relative to the cone at joint positions (P, n) [rad or m]."""
+    """Return the position of the point relative to the cone at joint positions (P, n) [rad or m]."""
     arm = Arm.at(scene, q)
     return aimed(sight, scene.chain, arm.turn[-1], arm.shift[-1])
 
 
 def reserve(sight: Sight, aim: Aim) -> Array:
-    """Return how far the point is from leaving the cone or its range of distances, (P,): the least of the
-    reserves of the angle [rad] and of both ends of the range [m].
+    """Return the reserve (P,) of the point before it leaves the cone or its range of distances: the least of
+    the reserves of the angle [rad] and of both ends of the range [m].
     """
     least: Array = np.minimum(
         sight.limit - aim.angle, np.minimum(aim.distance - sight.near, sight.far - aim.distance)
@@ -70,7 +71,9 @@ def reserve(sight: Sight, aim: Aim) -> Array:
 
 
 class Bounds:
-    """Bounds on how near a point comes to leaving its cone, between the ends of pieces of a motion's time."""
+    """Lower bounds of a point's reserve in its cone (see `reserve`), at all instants of pieces of a motion's
+    time.
+    """
 
     def __init__(self, sight: Sight, scene: Scene, course: Course) -> None:
         chain = scene.chain
@@ -81,9 +84,9 @@ class Bounds:
         self._turned = turning(chain, course) if sight.is_carried else (zero, zero)
 
     def look(self, pieces: Pieces) -> tuple[Array, Array, Array]:
-        """Return three values for each piece of a motion's time: a lower bound of the reserve on the piece
-        (P,), the smaller reserve of its two ends (P,), and the time of that end after the segment's start
-        (P,) [s].
+        """Return three arrays (P,), with one value for each piece of a motion's time: a lower bound of the
+        reserve at all instants of the piece; the reserve at that end of the piece where it is smaller; and
+        the time of this end after the segment's start [s].
         """
         sight, long, at = self._sight, pieces.end - pieces.begin, pieces.segment
         before, after = (
@@ -94,21 +97,30 @@ class Bounds:
         speed, strength = self._moved.first[at], self._moved.second[at]
         turn, bend = self._turned[0][at], self._turned[1][at]
         sag = strength * long**2 / 8.0
-        # the point's way differs from its chord by at most `sag`
+        # The vector from the apex to the point differs from its chord by at most `sag`.
         step = after.way - before.way
         size = (step**2).sum(axis=0)
+        # Find the point of the chord nearest to the apex: the apex projected onto the chord.
         share = np.clip(-(before.way * step).sum(axis=0) / np.where(size > 0.0, size, 1.0), 0.0, 1.0)
         chord = np.sqrt(((before.way + share * step) ** 2).sum(axis=0))
         both = before.distance + after.distance
+        # Bound the least and the largest distance from the apex. If the point is no faster than V, the
+        # distance changes by at most V d on a piece of d seconds. It differs from the distance of the chord
+        # by at most `sag`.
         near = np.maximum((both - speed * long) / 2.0, chord - sag)
         far = np.minimum((both + speed * long) / 2.0, np.maximum(before.distance, after.distance) + sag)
-        # the direction is undefined at the apex: nothing is known there of its angle
+        # At the apex, the direction to the point is undefined, so nothing is known of its angle.
         is_off = near > 0.0
         nearest = np.where(is_off, near, 1.0)
         swing = speed / nearest
+        # Bound the second derivative of the cosine between the axis a and the direction u = v / r to the
+        # point, where v is the vector from the apex to the point, and r its length: |a''| + 2 |a'| |u'| +
+        # |u''|. If the point's speed is at most V and its acceleration at most A, then |u'| <= V / r and
+        # |u''| <= A / r + 2 V^2 / r^2.
         second = bend + 2.0 * turn * swing + strength / nearest + 2.0 * swing**2
         worst = np.maximum(before.angle, after.angle)
         by_chord = np.arccos(np.clip(np.cos(worst) - second * long**2 / 8.0, -1.0, 1.0))
+        # The angle changes no faster than the axis turns plus the direction turns.
         most = np.minimum(by_chord, (before.angle + after.angle + (turn + swing) * long) / 2.0)
         most = np.where(is_off, most, np.pi)
         least = np.minimum(sight.limit - most, np.minimum(near - sight.near, sight.far - far))
@@ -116,8 +128,8 @@ class Bounds:
 
 
 def _placed(sight: Sight, chain: Chain) -> Array:
-    """Return the position (3,) in {B}, with all joints at zero [m], of what the flange carries: the apex of
-    the cone, or the point.
+    """Return the position (3,) [m] of the carried point in {B} with all joints at zero. The carried point is
+    the cone's apex if the flange carries the cone, otherwise the point that must stay in the cone.
     """
     placed: Array = chain.base_from_flange[:3, :3] @ np.array(sight.own) + chain.base_from_flange[:3, 3]
     return placed

@@ -2,8 +2,8 @@
 instants, by bisection.
 
 On an interval of d seconds, the velocity of a point is at most J d² / 8 from the chord between the velocities
-at the ends, where J bounds its third derivative. The length of a vector is largest at an end of a chord. The
-bound of a piece of time is therefore sharp long before the piece is short.
+at the ends, where J bounds the third derivative of the point's position. On a chord, the length of a vector
+is largest at an end. The bound of the speed is therefore sharp on pieces of time that are still long.
 """
 
 from __future__ import annotations
@@ -38,9 +38,10 @@ SHARP = 2e-4
 class Fastest:
     """The largest speed that an item has on each of G motions while it is in a zone.
 
-    `speed` (G,) [m/s] is a proved bound, 0 if the item is never in the zone. `segment` (G,) is the segment of
-    the largest speed, -1 if the item is never in the zone. `time` (G,) [s] is the middle of the piece of time
-    in which the largest speed occurs.
+    Attributes:
+        speed: (G,) proved bound of the speed [m/s]; 0 if the item is never in the zone.
+        segment: (G,) segment of the largest speed; -1 if the item is never in the zone.
+        time: (G,) middle of the piece of time in which the largest speed occurs [s].
     """
 
     speed: Array
@@ -68,7 +69,8 @@ def fastest_inside(
         spans: (G, 2) for each motion, its first segment and the one after its last; the motions are
             consecutive, and none is empty.
         watch: the zone and the item; the zone's margin counts as inside.
-        least: speed up to which speeds don't matter [m/s]: the result may be none, or this speed.
+        least: speed of interest [m/s]. Normally, a motion on which the item is never faster counts as one on
+            which the item is never in the zone (segment -1).
         beyond: distance by which the zone is enlarged [m].
         stops: True to end as soon as all motions are known to be faster than `least`. The result is then only
             some speed that occurs on them.
@@ -80,7 +82,7 @@ def fastest_inside(
 
 
 def may_enter(scene: Scene, ways: tuple[Array, Array], step: Array, watches: Sequence[Watch]) -> Flags:
-    """Return which watched items may enter their zones during short joint motions, as a mask (W, R).
+    """Return a mask (W, R) of the watched items that may enter their zones during short joint motions.
 
     Args:
         scene: the bodies of robot and cell.
@@ -89,7 +91,7 @@ def may_enter(scene: Scene, ways: tuple[Array, Array], step: Array, watches: Seq
         watches: the W slow zones and their items.
     """
     begin, end = ways
-    # A course of one second for each way.
+    # Make a course in which each motion takes one second.
     still = np.zeros(begin.shape)
     course = Course.of(begin, end - begin, still, still, np.ones(len(begin)), step)
     ends = Ends(scene, course, Pieces.whole(course, 0, len(begin)))
@@ -101,7 +103,9 @@ def may_enter(scene: Scene, ways: tuple[Array, Array], step: Array, watches: Seq
             inner = np.maximum(room(region, begin), room(region, end))
             found[number] = (inner >= -step).all(axis=1)
         else:
-            assert not isinstance(region, Pointed)  # directions are never slow
+            assert not isinstance(region, Pointed)  # zones of directions and cones never limit the speed
+            # Each motion takes one second, so the bound of the speed is also a bound of the distance
+            # travelled.
             way = rates(scene.chain, course, item).first
             near = roughly_outside(region, item, ends.of(item), way)
             found[number] = near <= watch.zone.margin + _ASIDE
@@ -109,7 +113,9 @@ def may_enter(scene: Scene, ways: tuple[Array, Array], step: Array, watches: Seq
 
 
 _ASIDE = 1e-3
-"""Largest distance of the arm from the joint motion that was examined [m]."""
+"""Distance by which zones are enlarged [m], since the arm may leave the examined joint motion by up to this
+distance.
+"""
 
 
 class _Search:
@@ -150,7 +156,8 @@ class _Search:
             pieces, ends = self._look(pieces, ends)
             if self.stops and (self.segment >= 0).all():
                 break
-        # Dropped pieces may be faster than the best one by at most this share.
+        # The pieces that were dropped may be faster than the fastest known piece, but by at most the share
+        # `sharp`.
         speed = np.where(self.segment >= 0, self.best * (1.0 + self.sharp), 0.0)
         return Fastest(speed, self.segment, self.time)
 
@@ -192,6 +199,9 @@ class _Search:
             return np.zeros(len(pieces.segment), dtype=np.bool_)
         assert not isinstance(region, Pointed)
         ends = self.whole.ends
+        # If the middle of the ball is no faster than V, its signed distance from the zone changes by at most
+        # V d on a segment of d seconds. So the distance is at least (a + b - V d) / 2, with its values a and
+        # b at both ends.
         far = outside(region, ends.arm.of(self.item).point(self.item.middle))
         way = self.bounds.first[pieces.segment] * pieces.end
         apart: Flags = (far[ends.begins] + far[ends.stops] - way) / 2.0 - self.item.bound > self.margin
@@ -225,7 +235,7 @@ class _Search:
     def _learn(self, pieces: Pieces, speed: Array) -> None:
         """Record the largest speed of each motion, and where it occurs."""
         motion = self.motion[pieces.segment]
-        order = np.argsort(speed, kind="stable")  # the largest is written last
+        order = np.argsort(speed, kind="stable")  # the largest speed of a motion is written last
         larger = order[speed[order] > self.best[motion[order]]]
         at = motion[larger]
         self.best[at], self.segment[at] = speed[larger], pieces.segment[larger]

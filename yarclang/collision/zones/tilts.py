@@ -1,5 +1,5 @@
-"""Measure the angle between an axis on the flange and a fixed direction, and bound how fast the angle
-changes.
+"""Measure the angle between an axis on the flange and a fixed direction, and bound the rate at which the axis
+turns.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ def angles(tilt: Tilt, chain: Chain, turn: Array) -> Array:
     axis = chain.base_from_flange[:3, :3] @ np.array(tilt.own)
     now, up = np.matmul(axis, turn), np.array(tilt.up)
     across = np.cross(now.T, up).T
-    # This is exact for small angles too, where the cosine is flat.
+    # The arc tangent is exact for small angles too, at which the cosine hardly changes.
     found: Array = np.arctan2(np.sqrt((across**2).sum(axis=0)), up @ now)
     return found
 

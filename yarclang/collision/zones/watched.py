@@ -20,8 +20,11 @@ from yarclang.transforms import constant
 
 @frozen(eq=False)
 class Moving:
-    """The frame that a motion moves: its name without braces, and its pose `flange_from_moving` (4, 4)
-    [m].
+    """The frame that a motion moves.
+
+    Attributes:
+        name: name of the frame without braces.
+        flange_from_moving: (4, 4) pose of the frame on the flange [m].
     """
 
     name: str
@@ -30,13 +33,24 @@ class Moving:
 
 @frozen(eq=False)
 class Item:
-    """A convex body, or a point, that a zone watches and that the first `joint` joints move.
+    """A convex body, or a point, that a zone watches.
 
-    All coordinates are in {B} with all joints at zero [m]. The item is the Minkowski sum of the hull of
-    `points` (V, 3), a disc of radius `disc` perpendicular to `axis` (3,), and a ball of `radius`. The hull of
-    the points `rim` (W, 3) encloses the first two: the disc is replaced by a polygon around it, half a
-    percent larger. The ball around `middle` (3,) with radius `bound` encloses everything. `of_coal`, at the
-    pose `base_from_body` (4, 4), is the shape for distances; None for a point.
+    The item is the Minkowski sum of the hull of `points`, a disc and a ball of `radius`. All coordinates are
+    in {B} with all joints at zero [m].
+
+    Attributes:
+        name: name of the body or point.
+        joint: number of joints that move the item, counted from the base.
+        points: (V, 3) points whose hull is the core of the item.
+        axis: (3,) axis perpendicular to the disc.
+        disc: radius of the disc.
+        radius: radius of the ball.
+        rim: (W, 3) points whose hull encloses the sum of core and disc. For them, the disc is replaced by a
+            polygon around it, half a percent larger.
+        middle: (3,) center of a ball around the whole item.
+        bound: radius of this ball.
+        of_coal: the shape in the library coal; None for a point.
+        base_from_body: (4, 4) pose of this shape; None for a point.
     """
 
     name: str
@@ -167,6 +181,7 @@ def room_of(body: Body) -> Item:
         polygon = np.stack([np.cos(turns), np.sin(turns), np.zeros(_SIDES)], axis=1)
         rim = (points[:, None] + polygon * (disc / np.cos(np.pi / _SIDES))).reshape(-1, 3)
     turn, shift = placed[:3, :3], placed[:3, 3]
+    # Enclose the points, the disc and the rounding in a ball.
     middle = (points.min(axis=0) + points.max(axis=0)) / 2.0
     bound = float(np.hypot(np.linalg.norm(points - middle, axis=1).max(), disc)) + radius
     return Item(

@@ -1,5 +1,5 @@
-"""Measure how far joints are from the ends of allowed or forbidden ranges ("windows"), at instants and on
-pieces of a motion's time.
+"""Measure the distances of joints from the ends of allowed or forbidden ranges ("windows"), at instants and
+on pieces of a motion's time.
 """
 
 from __future__ import annotations

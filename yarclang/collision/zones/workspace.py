@@ -1,4 +1,4 @@
-"""Check joint positions against the zones of a cell, and measure how far each zone is from being broken."""
+"""Check joint positions against the zones of a cell, and measure each zone's distance from a violation."""
 
 from __future__ import annotations
 
@@ -24,8 +24,9 @@ from yarclang.shapes import Array
 SLACK = 1e-5
 """Distance beyond a border [m] up to which an item counts as on it."""
 TILT_SLACK = 1e-5
-"""Axes that exceed their angle by no more than this [rad], and points in a cone that leave it or the range of
-distances by no more than this [rad or m], count as within it."""
+"""Excess [rad or m] up to which an axis still counts as within its allowed angle, and a point as within its
+cone and its range of distances.
+"""
 
 
 @frozen(eq=False)
@@ -59,10 +60,10 @@ def _watches(robot: Robot, cell: Cell, name: str, frame: bytes) -> tuple[Watch, 
 
 
 def slack_at(scene: Scene, watch: Watch, q: Array) -> Array:
-    """Return how far a zone is from being broken at joint positions (P, n), as (P,) [m; rad or m for a joint
-    window, rad for a tilt, either for a sight].
+    """Return the slack (P,) of a zone at joint positions (P, n): the distance from a violation.
 
-    Below `slack_of` it is broken.
+    The unit is m for a region, rad or m for a joint window, rad for the angle of an axis, and rad or m for a
+    cone. A slack below `slack_of` is a violation.
     """
     arm = _one_arm(scene, q.tobytes()) if len(q) == 1 else Arm.at(scene, q)
     return _slack(scene, watch, q, arm, np.arange(len(q)))
@@ -70,14 +71,14 @@ def slack_at(scene: Scene, watch: Watch, q: Array) -> Array:
 
 @lru_cache(maxsize=16)
 def _one_arm(scene: Scene, q: bytes) -> Arm:
-    """Place the arm at one joint position; cached, because all zones are evaluated there one after the
-    other.
+    """Place the arm at one joint position. The result is cached, because all zones are evaluated at the same
+    position one after the other.
     """
     return Arm.at(scene, np.frombuffer(q)[None])
 
 
 def _slack(scene: Scene, watch: Watch, q: Array, arm: Arm, rows: Rows) -> Array:
-    """Return how far a zone is from being broken, as `slack_at` does, at the instants `rows` of an arm."""
+    """Return a zone's distance from a violation, as `slack_at` does, at the instants `rows` of an arm."""
     zone, region = watch.zone, watch.zone.region
     if isinstance(region, JointWindow):
         inner: Array = room(region, q).min(axis=1)
@@ -100,8 +101,8 @@ def _slack(scene: Scene, watch: Watch, q: Array, arm: Arm, rows: Rows) -> Array:
 
 
 def slack_of(watch: Watch) -> float:
-    """Return the distance from being broken (see `slack_at`) below which a zone counts as broken at an
-    instant; it is slightly negative.
+    """Return the slack (see `slack_at`) below which a zone counts as violated at an instant. This limit is
+    slightly negative, as an allowance for rounding.
     """
     match watch.zone.region:
         case JointWindow():

@@ -18,11 +18,11 @@ def _build(arguments: Arguments) -> Step:
 COMMAND = CommandSpec(
     name="MOVEJ_SPLINE",
     old_name="MOVJ_SPLINE",
-    summary="one smooth curve in joint space through all way-points",
+    summary="one smooth curve in joint space through all waypoints",
     doc="""\
 One curve with continuous acceleration in joint space, from where the robot stands through all
-way-points, without a stop: a natural cubic spline over the chord length. Equal neighbours count once. Between
-way-points the curve may swing beyond them.
+waypoints, without a stop: a natural cubic spline over the chord length. Equal neighbours count once. Between
+waypoints the curve may swing beyond them.
 """,
     build=_build,
     examples=("P0010 MOVEJ_SPLINE 10 0 5 0 10 0; 20 5 10 0 20 5; 10 0 0 0 30 0 [10] (deg,s)",),

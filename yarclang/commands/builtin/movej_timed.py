@@ -14,13 +14,13 @@ def _build(arguments: Arguments) -> Step:
 
 COMMAND = CommandSpec(
     name="MOVEJ_TIMED",
-    summary="all joints along a timetable: way-points, each with its time",
+    summary="all joints along a timetable: waypoints, each with its time",
     doc="""\
-Each way-point has its time in square brackets, counted from the start of the motion. The robot begins where it stands, at
-rest, and ends at rest. The time may be followed by `VEL` with the velocity of each joint there, and then by `ACC` with the accelerations: at all way-points, or at none.
-Between two way-points each joint goes along the quintic polynomial with these positions, velocities and accelerations; the cubic one
-where only velocities are given; else along one cubic spline in time through all way-points, with continuous acceleration. `MOVEJ_TIMED "path.csv"` takes the
-way-points from a file beside the program. `STRETCH 1.5` makes all times one and a half times as long; `TOL` says how far a joint may be from the path (0.0001 rad, 0.1 mm).
+Each waypoint has its time in square brackets, counted from the start of the motion. The robot begins where it stands, at
+rest, and ends at rest. The time may be followed by `VEL` with the velocity of each joint there, and then by `ACC` with the accelerations: at all waypoints, or at none.
+Between two waypoints each joint goes along the quintic polynomial with these positions, velocities and accelerations; the cubic one
+where only velocities are given; else along one cubic spline in time through all waypoints, with continuous acceleration. `MOVEJ_TIMED "path.csv"` takes the
+waypoints from a file beside the program. `STRETCH 1.5` makes all times one and a half times as long; `TOL` says how far a joint may be from the path (0.0001 rad, 0.1 mm).
 """,  # noqa: E501
     build=_build,
     examples=(

@@ -17,10 +17,10 @@ def _build(arguments: Arguments) -> Step:
 
 COMMAND = CommandSpec(
     name="MOVEL_SPLINE",
-    summary="one smooth curve of the moving frame through all way-points, orientation too",
+    summary="one smooth curve of the moving frame through all waypoints, orientation too",
     doc="""\
-One curve of the moving frame with continuous acceleration, from where it stands through all way-points, without a
-stop. Positions and unit quaternions are natural cubic splines over the distance from way-point to way-point (a turn of 1 rad counts
+One curve of the moving frame with continuous acceleration, from where it stands through all waypoints, without a
+stop. Positions and unit quaternions are natural cubic splines over the distance from waypoint to waypoint (a turn of 1 rad counts
 as 100 mm). Equal neighbours count once; half a turn between two neighbours is an error. The arm keeps its configuration.
 """,  # noqa: E501
     build=_build,

@@ -1,8 +1,8 @@
 """The actions of a coordinator's client, grouped by purpose. Each group can be used alone.
 
-Only the robot's owner may move the robot or change the session; other clients get `NotOwner`. A mistake in a
-user's text is a finding. If something can't be done now, `Trouble` is raised with the fact, its reason and a
-remedy.
+Only the robot's owner may move the robot or change the session; other clients get `NotOwner`. A mistake in
+the text of a user is returned as a finding. If an action isn't possible now, `Trouble` is raised with the
+reason and a remedy.
 """
 
 from __future__ import annotations

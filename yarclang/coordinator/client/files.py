@@ -14,7 +14,7 @@ from yarclang.runtime.actions import Trouble
 
 
 class Files(Part):
-    """The part of a client that reads and writes programs."""
+    """Group of a client's actions: load programs, and convert the session to a program."""
 
     async def load(self, source: Source, *, here: bool = False, as_now: bool = True) -> Result[Loaded]:
         """Compile and prove a program for this robot, or verify a compiled program.
@@ -22,14 +22,14 @@ class Files(Part):
         Args:
             source: location of the program, and options of the compiler.
             here: True if a program without START begins at the robot's present position.
-            as_now: True to assume the parts of the cell at their present places; False: at the places in the
-                cell's file.
+            as_now: True to assume that the cell's parts are in their present places; False to assume the
+                places that the cell's file gives.
 
         Returns:
             The program; None if an error forbids running it.
 
         Raises:
-            Trouble: the robot is moving, or there is no connection; only if `here` is True.
+            Trouble: only if `here` is True: the robot is moving, or there is no connection.
         """
         coordinator = self._coordinator
         stands = await coordinator.stands() if here else None
@@ -41,8 +41,8 @@ class Files(Part):
         """Return the session as a program with the same effect.
 
         Args:
-            folder: folder of the program, to which the names of files are made relative; None: the session's
-                folder.
+            folder: folder for which the program is written: file names in it become relative to this folder.
+                None: the session's folder.
         """
         coordinator = self._coordinator
         return coordinator.history.saved(coordinator.lines, coordinator.planner.folder, folder)

@@ -19,17 +19,17 @@ LIVE = Settings()
 
 
 class LiveMotion(Part):
-    """The part of a client that moves the robot as long as the client sends targets."""
+    """Group of a client's actions: move the robot as long as the client sends targets."""
 
     async def drive(
         self, target: Target, *, moving: str = "{TCP}", settings: Settings = LIVE, name: str = "jog"
     ) -> Result[Drive]:
-        """Begin a live motion: a jog, a velocity, or following a master. The motion continues as long as
-        targets arrive.
+        """Begin a live motion: a jog, a motion at a given velocity, or a motion that follows a master. The
+        motion continues as long as targets arrive.
 
         Args:
             target: first target.
-            moving: frame that twists move, and whose speed is limited.
+            moving: frame whose speed is limited; a target that is a twist moves this frame.
             settings: limits of the motion.
             name: name of the motion, for messages.
 

@@ -45,7 +45,7 @@ class Where:
 
 
 class Motion(Part):
-    """The part of a client that moves the robot."""
+    """Group of a client's actions: move and stop the robot, and ask for its position."""
 
     # position
 
@@ -79,10 +79,10 @@ class Motion(Part):
     # planning
 
     async def offer(self, text: str) -> Result[Offer]:
-        """Plan and certify lines that begin at the robot's present position, with all accepted declarations
-        before them. Nothing moves.
+        """Plan and certify lines that begin at the robot's present position. All declarations that were
+        accepted before apply to them. Nothing moves.
 
-        Every client may do this. An empty text gives no offer and no finding.
+        Every client may do this. For an empty text, neither an offer nor a finding is returned.
 
         Raises:
             Trouble: the robot is moving, or there is no connection.
@@ -105,8 +105,8 @@ class Motion(Part):
         return offered
 
     async def offer_back(self) -> Result[Offer]:
-        """Plan and certify a motion that drives the last motion back along its path, and also the motions
-        before it from which the robot flowed into it without a stop.
+        """Plan and certify a motion back along the path of the last motion. The motions before it are driven
+        back as well, as far as the robot passed from one to the next without a stop.
 
         Raises:
             Trouble: the robot is moving, or there is no connection.
@@ -150,11 +150,14 @@ class Motion(Part):
         return Result(replace(offered.value, takes_back=len(group)), offered.diagnostics)
 
     async def offer_recovery(self, loaded: Loaded) -> Recovered:
-        """Plan and certify a motion from the robot's present position to a program: to its start, or else to
-        the nearest position at which the program can begin. Nothing moves.
+        """Plan and certify a motion from the robot's present position to a program. Nothing moves.
+
+        The motion leads to the program's start, or else to the nearest position at which the program can
+        begin.
 
         Args:
-            loaded: the program. If a first command is given, only the beginning of this command is tried.
+            loaded: the program. If it was loaded to begin at a certain command, only the beginning of this
+                command is tried.
 
         Raises:
             Trouble: the robot is moving, there is no connection, or the places of the cell's parts are
@@ -177,16 +180,16 @@ class Motion(Part):
         stops = coordinator.stops
         await coordinator.look_around()
         if offer.revision != coordinator.lines.revision:
-            problem = "a declaration has come, or the cell has changed, since this was offered"
-            raise Trouble(problem, "ask for it again", "Y1613")
+            problem = "a declaration was added, or the cell has changed, since this motion was offered"
+            raise Trouble(problem, "request it again", "Y1613")
         job = offer.job
         if job is None:
             coordinator.lines.declare(offer.parts.declarations)
             return Ended(True, joints=offer.start)
         here = await coordinator.stands()
         if off_the_start(job, here):
-            problem = "the robot doesn't stand any more where this was planned from"
-            raise Trouble(problem, "ask for it again", "Y1613")
+            problem = "the robot isn't any more at the position from which this motion was planned"
+            raise Trouble(problem, "request it again", "Y1613")
         await self._check_surroundings(offer)
         followed = _performed(offer, job)
         if followed is not None:
@@ -212,7 +215,7 @@ class Motion(Part):
 
     async def _check_surroundings(self, offer: Offer) -> None:
         """Check that the cell is still the one for which an offer was planned, and that the cell's parts are
-        in the places that were assumed in the proof.
+        in the places that the offer's proof assumes.
 
         Raises:
             Trouble: the cell or the place of a part has changed.
@@ -221,14 +224,14 @@ class Motion(Part):
         if cell is None:
             return
         if not await coordinator.plan(holds_still, cell):
-            raise Trouble("the cell has changed since this was offered", "ask for it again", "Y1613")
+            raise Trouble("the cell has changed since this motion was offered", "request it again", "Y1613")
         coordinator.carrying.kept.check(cell, first_parts(cell) if cell.parts else None)
 
     async def run(self, loaded: Loaded, *, approach: bool = False, times: int | None = 1) -> Ended:
-        """Run a whole program, from its start or another command, possibly command by command. `load_program`
-        creates the program.
+        """Run a whole program that was loaded by `Files.load`.
 
-        The program waits for `resume` between single commands and at each HOLD.
+        `loaded` determines at which command the run begins, and if the commands are run one by one. The
+        program waits for `resume` before each such single command and at each HOLD.
 
         Args:
             loaded: the program.
@@ -249,10 +252,10 @@ class Motion(Part):
         """Run a whole program, like `run`.
 
         Args:
-            undertaking: tracks the progress of the program, also after its end.
+            undertaking: records the progress of the program, which can be read after the end as well.
             approach: if True, first move slowly to the start.
-            stops: number of stops at the time of the request. If there has been another stop since, nothing
-                begins. None: the request is made now.
+            stops: value of the coordinator's `stops` when the run was requested. If somebody has ordered a
+                stop since the request, the program doesn't begin. None: the run is requested by this call.
 
         Raises:
             NotOwner: this client only watches.
@@ -265,10 +268,13 @@ class Motion(Part):
         way = await coordinator.carrying.way_to_start(loaded, here)
         allowed = approach or bool(way.zone)
         if way.text and not (allowed and way.job is not None):
-            remedy = APPROACH_FIRST if not allowed else "there is no joint motion to the start: move it there"
+            no_approach = "no joint motion to the start is possible: move the robot there"
+            remedy = APPROACH_FIRST if not allowed else no_approach
             raise Trouble(way.text, remedy, code="Y1601")
         if way.text and way.zone and not approach:
-            coordinator.tell(f"{way.text}; it stands in the start zone {way.zone}: it goes there by itself")
+            coordinator.tell(
+                f"{way.text}; the robot is in the start zone {way.zone}: it moves there without confirmation"
+            )
         lasting = loaded.rest.lasting
         if undertaking.times is not None and undertaking.times > 1:
             lasting = lasting.then(loaded.program.lasting.times(undertaking.times - 1))
@@ -284,8 +290,8 @@ class Motion(Part):
     # immediate actions
 
     def stop(self) -> None:
-        """Bring the robot to rest on its path, and end the current action. Overtakes all other orders;
-        allowed for every client.
+        """Bring the robot to rest on its path, and end the current action. Allowed for every client. A stop
+        is executed before all waiting orders.
         """
         self._coordinator.stop()
 
@@ -305,20 +311,23 @@ class Motion(Part):
             answer: answer to the question of the HOLD.
 
         Raises:
-            NotOwner: this client only watches.
+            NotOwner: this client only watches, and the owner doesn't share the robot.
         """
         coordinator = self._coordinator
         coordinator.check_pace(self._name, "to go on")
         session = coordinator.engine.session
-        # A hold that wasn't processed yet also counts.
+        # A hold that was ordered but not processed yet also counts.
         if session.paused or coordinator.state is State.HOLD or Hold() in session.operation.orders:
             session.order(Resume(answer))
 
     def override(self, percent: float) -> None:
-        """Set the override of the current and of later actions: `percent` of the programmed speed, 1 to 100.
+        """Set the override of the current action and of all later ones.
+
+        Args:
+            percent: percentage of the programmed speed, 1 to 100.
 
         Raises:
-            NotOwner: this client only watches.
+            NotOwner: this client only watches, and the owner doesn't share the robot.
             Trouble: the number is out of range.
         """
         coordinator = self._coordinator
@@ -345,7 +354,7 @@ class Motion(Part):
 
 
 def _performed(offer: Offer, job: Job) -> Performed | None:
-    """Return the steps of an offer that may move parts; None if its cell contains no parts."""
+    """Return the steps of an offer whose effects on parts are tracked; None if its cell contains no parts."""
     plan = offer.plan
     if plan is None or plan.program.cell is None or not plan.program.cell.parts:
         return None

@@ -19,7 +19,9 @@ from yarclang.runtime.actions import Trouble
 
 
 class Parts(Part):
-    """The part of a client that asks for and sets the places of parts in the session's cell."""
+    """Group of a client's actions: read and set the places of parts (workpieces and tools) in the session's
+    cell.
+    """
 
     def where(self, file: str | None = None) -> Result[Known]:
         """Return the known places of the parts in a cell.
@@ -28,7 +30,8 @@ class Parts(Part):
             file: file of the cell; None: the session's cell.
 
         Returns:
-            The places. None for a file if no places are stored: the parts are where the file places them.
+            The places. For a given file: None if no places are stored, so that the parts are in the places
+            that the file gives.
 
         Raises:
             Trouble: the session's cell has no parts.
@@ -85,7 +88,7 @@ class Parts(Part):
 
     async def _say(self, change: Callable[[Known], Result[Known]], action: str) -> Result[Known]:
         coordinator = self._coordinator
-        coordinator.check_pace(self._name, "to say where parts are")
+        coordinator.check_pace(self._name, "to enter the places of parts")
         places = self.where()
         stands = await coordinator.stands()
         if places.value is None:
@@ -98,7 +101,7 @@ class Parts(Part):
         known = self._known(changed.value.cell)
         if coordinator.surroundings is not None:
             coordinator.surroundings.place(known.present.parts, known.cell)
-        coordinator.tell(f"{self._name} has said where {action} {'are' if action == 'all parts' else 'is'}")
+        coordinator.tell(f"{self._name} has entered the place of {action}")
         return Result(known, places.diagnostics)
 
     def _known(self, cell: Cell | None) -> Known:

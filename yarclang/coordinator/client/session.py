@@ -12,7 +12,7 @@ from yarclang.semantics.names.scope import Frame
 
 
 class Session(Part):
-    """The part of a client that belongs to the session as a whole."""
+    """Group of a client's actions on the whole session: ownership, declarations, events."""
 
     # ownership
 
@@ -25,8 +25,7 @@ class Session(Part):
         """Become the owner of the robot.
 
         Args:
-            shared: True if other clients may also resume and change the override, as people do from another
-                terminal.
+            shared: True if other clients and terminals may also resume and change the override.
 
         Raises:
             NotOwner: another client owns the robot.
@@ -68,12 +67,12 @@ class Session(Part):
         return self._coordinator.names.moving(name)
 
     async def adopt(self, declarations: tuple[str, ...]) -> Result[tuple[str, ...]]:
-        """Replace all accepted declarations of the session by other declarations, which come from a file or
-        have been edited.
+        """Replace all accepted declarations of the session by other ones, for example from a file or an
+        editor.
 
         Returns:
-            None, with findings, if the new declarations aren't accepted. Then the earlier ones remain in
-            force.
+            The new declarations. None, with findings, if they contain an error; then the earlier declarations
+            remain in force.
 
         Raises:
             NotOwner: this client only watches.

@@ -15,13 +15,14 @@ from yarclang.simulated_cell.script import input_variable
 
 _STATES = {"ON": 1.0, "OFF": 0.0}
 
-_FIXED = "the inputs of a real controller are set by what is connected there (Y1619)"
+_FIXED = "the inputs of a real controller are set by the connected devices (Y1619)"
 _AT_ONCE = 16
-"""Most variables in one request, because a line has at most 255 characters."""
+"""Largest number of variables that are read in one request. A request must fit into a line of 255 characters.
+"""
 
 
 class Signals(Part):
-    """The part of a client that reads inputs and outputs and sets them."""
+    """Group of a client's actions: read and set inputs and outputs."""
 
     async def read(self, name: str) -> Result[float]:
         """Return the value of an input or output that the session declares.
@@ -95,7 +96,7 @@ class Signals(Part):
         surroundings = coordinator.surroundings
         if surroundings is None:
             raise Trouble(
-                f"{name[:40]} is an input of a real controller: what is connected there sets it",
+                f"{name[:40]} is an input of a real controller: only the connected devices set it",
                 "set inputs of a robot that `yarc run`, `serve` or `repl` simulates",
                 "Y1619",
             )
@@ -112,7 +113,7 @@ class Signals(Part):
 
     @property
     def fixed(self) -> str:
-        """Return the reason why inputs can't be set by hand; empty if they can."""
+        """Return the reason why a user can't set inputs; empty if a user can."""
         return "" if self._coordinator.surroundings is not None else _FIXED
 
     async def values(self, variables: Iterable[str]) -> dict[str, float | None]:
@@ -166,5 +167,5 @@ def _number(value: float | str) -> float:
     except ValueError:
         number = math.nan
     if not math.isfinite(number):
-        raise Trouble(f"{value} is no value of an output", "it may be ON, OFF or a number", "Y1601")
+        raise Trouble(f"{value} isn't a value of an output", "it must be ON, OFF or a number", "Y1601")
     return number

@@ -18,7 +18,7 @@ from yarclang.runtime.outcome import Ended
 
 class Drive:
     """A live motion, which continues as long as targets arrive. After 200 ms without a target the robot comes
-    to rest, and the drive ends.
+    to rest, and the motion ends.
 
     Args:
         robot: the robot.
@@ -26,12 +26,12 @@ class Drive:
         running: the engine's work that streams the lines.
         now: the session's clock [s].
         stop: ends the motion at once, by a hold.
-        tell: tells all clients the reason why the target isn't followed, and the bodies and zones in the way.
+        tell: reports to all clients why the target isn't followed, and which bodies and zones are in the way.
         lag: duration of the lines in the controller's buffer [s].
         check: raises an error if the client no longer owns the robot.
 
     Attributes:
-        lag: time until a new target takes effect [s]; a stop isn't delayed.
+        lag: time until a new target takes effect [s]. A stop takes effect at once.
     """
 
     def __init__(
@@ -62,7 +62,7 @@ class Drive:
 
     @property
     def end(self) -> Array:
-        """Return the end of the lines streamed so far (n,) [rad or m]."""
+        """Return the position at the end of the lines streamed so far (n,) [rad or m]."""
         return self._generator.end
 
     @property
@@ -80,7 +80,7 @@ class Drive:
         self._check()
         if not self.alive:
             raise Trouble(
-                f"the live motion has ended: no target came for {WATCHDOG:g} s, or somebody stopped it",
+                f"the live motion has ended: no target came for {WATCHDOG:g} s, or the motion was stopped",
                 "begin another",
                 "Y1612",
             )
@@ -116,17 +116,20 @@ class Drive:
         self.want(Twist(np.asarray(linear, dtype=float), np.asarray(angular, dtype=float), axes))
 
     def follow(self, q: Array, rate: Array | None = None) -> None:
-        """Follow a master arm that is at the joint positions `q` (n,) [rad or m] and moves with the joint
-        velocities `rate` (n,) [rad/s or m/s]. Raises the same errors as `want`.
+        """Follow a master arm. Raises the same errors as `want`.
+
+        Args:
+            q: (n,) joint positions of the master [rad or m].
+            rate: (n,) joint velocities of the master [rad/s or m/s]; None: zero.
         """
         self.want(Master(q, np.zeros_like(q) if rate is None else rate))
 
     def finish(self) -> None:
-        """Bring the robot to rest within the limits, after the lines in the buffer, and end."""
+        """Bring the robot to rest within the limits, after the lines in the buffer, and end the motion."""
         self._generator.finish()
 
     def stop(self) -> None:
-        """Bring the robot to rest at once, by a hold on the path, and end."""
+        """Bring the robot to rest at once, by a hold on the path, and end the motion."""
         if self.alive:
             self._stop()
 

@@ -1,9 +1,10 @@
-"""A live motion as controller text: control points towards the present target. They are streamed only after
-they were proved together with a motion to rest that follows them.
+"""The controller text of a live motion: control points towards the present target. They are streamed only
+after they were proved, together with a motion to rest that would follow them.
 
-At each instant there is a motion to rest that the judge (`proof.py`) has accepted. If a motion towards the
-target can't be proved, the robot follows the motion to rest instead, point by point. So the robot comes to
-rest before a limit, an obstacle or a zone. From there it can move again if the target leads away.
+At each instant, the judge (`proof.py`) has accepted a motion to rest that begins at the end of the streamed
+lines. If a motion towards the target can't be proved, the control points of this motion to rest are streamed
+instead. So the robot comes to rest before a limit, an obstacle or a zone. From there it can move again if the
+target leads away.
 """
 
 from __future__ import annotations
@@ -21,20 +22,20 @@ WATCHDOG = 0.2
 """Time without a message after which the robot comes to rest [s]."""
 
 STRIDE = 3
-"""Number of control points that are proved together while the robot moves; the target is read once for each
-such group of points.
+"""Number of control points that are proved together while the robot moves. The target is read once for each
+such group.
 """
 
 _FIRST_STRIDE = 36
-"""Largest number of control points that are proved together before the motion begins, when many are needed at
-once to fill the controller's buffer. The target is still read once for each such group of points.
+"""Largest number of control points that are proved together. Larger groups than `STRIDE` are needed before
+the motion begins, to fill the controller's buffer.
 """
 
 _SAME_WAY = 0.7
-"""Cosine of the largest angle between two directions that count as about the same."""
+"""Least cosine of the angle between two velocities that count as having the same direction."""
 
 _USED = {"velocity": 0.98, "acceleration": 0.9, "jerk": 0.85}
-"""Share of each limit that is used; the rest is for rounding of the printed numbers."""
+"""Share of each limit that a live motion uses. The rest allows for the rounding of the printed numbers."""
 
 
 def rates_of(robot: Robot, share: float = 1.0) -> Rates:
@@ -45,7 +46,7 @@ def rates_of(robot: Robot, share: float = 1.0) -> Rates:
         share: share of the joints' velocity limits that live motions may use.
     """
     limits = robot.limits
-    # A motor that drives several joints may be slower than the limits of these joints.
+    # A motor that drives several joints may reach its speed limit before the joints reach theirs.
     gear = np.abs(robot.actuation.coupling * robot.actuation.gear[:, None]) / robot.axis_units
     together = gear @ limits.velocity
     slower = np.where(gear > 0.0, (robot.actuation.velocity / together)[:, None], np.inf).min(axis=0)
@@ -111,7 +112,7 @@ class Generator:
         return self._state.rests
 
     def want(self, target: Target, now: float) -> None:
-        """Set the target. It is valid for the watchdog's time."""
+        """Set the target. It is valid for `WATCHDOG` seconds."""
         self._target, self._heard = target, now
 
     def finish(self) -> None:
@@ -162,16 +163,16 @@ class Generator:
             self.why, self.stopped_by = steered.held_back, ()
             return self._taken(lines, state, rest)
         if size > STRIDE:
-            return self._stride(target, size // 2 // STRIDE * STRIDE or STRIDE)  # a part may be provable
-        # Remember the refused velocity: otherwise a repeated target would let the robot creep up to a border.
+            # A shorter group may be provable.
+            return self._stride(target, size // 2 // STRIDE * STRIDE or STRIDE)
+        # Remember the refused velocity. Otherwise, while the target is repeated, the robot would creep up to
+        # the border of a zone in many tiny motions.
         self.why, self._refused = objection, steered.velocity
         self.stopped_by = self._judge.stopped_by
         return self._towards_rest()
 
     def _towards_rest(self) -> tuple[str, ...]:
-        """Return the lines of the next control points of the proved motion to rest, which begins at the end
-        of the streamed lines.
-        """
+        """Return the next lines of the motion to rest that was proved together with the streamed lines."""
         known = self._rest or (State.at_rest(self._state.c),)
         states = [known[min(number, len(known) - 1)] for number in range(STRIDE)]
         return self._taken(self._printed(states), states[-1], known[STRIDE:])

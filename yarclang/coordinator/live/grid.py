@@ -19,13 +19,13 @@ _STILL = 1e-9
 """Largest velocity that counts as zero [rad/s or m/s]."""
 
 _LONGEST = 2000
-"""Most points of a motion to rest."""
+"""Largest number of control points of a motion to rest."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rates:
-    """Largest velocity, acceleration and jerk that a live motion may use, each (n,) per joint [rad or m,
-    s].
+    """Largest velocity, acceleration and jerk that a live motion may use, each (n,) per joint [rad or m, per
+    s, s^2 and s^3].
     """
 
     velocity: Array
@@ -58,8 +58,8 @@ class State:
 def advance(state: State, requested: Array, rates: Rates, h: float) -> State:
     """Compute the next control point and its differences.
 
-    All joints change their velocities together, so that the change of velocity keeps its direction in joint
-    space; each joint reaches its target velocity without overshoot.
+    All joints finish their changes of velocity at the same time, so that the change keeps its direction in
+    joint space. No joint overshoots its requested velocity.
 
     Args:
         state: last control point and its differences.
@@ -71,7 +71,7 @@ def advance(state: State, requested: Array, rates: Rates, h: float) -> State:
     change = requested - state.v
     way = np.abs(change)
     if way.max() <= _STILL and np.abs(state.a).max() < _STILL:
-        # The remaining difference is only rounding: set the wanted velocity.
+        # Only a rounding error is left, so set the requested velocity exactly.
         return State(state.c + h * requested, requested, np.zeros_like(requested))
     moves = way > _STILL
     ways = np.where(moves, way, 1.0)
@@ -81,21 +81,24 @@ def advance(state: State, requested: Array, rates: Rates, h: float) -> State:
         moves, ways * np.where(moves, rates.acceleration / ways, np.inf).min(), rates.acceleration
     )
     jerk = np.where(moves, ways * np.where(moves, rates.jerk / ways, np.inf).min(), rates.jerk)
-    # One jerk step changes the acceleration by jerk h. In these units: if the acceleration is x and falls by
-    # one per step, the velocity changes by x n - n (n - 1) / 2 in n steps. `aim` is the acceleration from
-    # which n such steps make exactly the remaining change.
+    # In one step, the acceleration changes by at most jerk h. Take jerk h as the unit of acceleration, and
+    # jerk h^2 as that of velocity. If the acceleration begins at x and falls by one per step, the velocity
+    # changes by x n - n (n - 1) / 2 in n steps. `aim` is the acceleration from which n such steps make
+    # exactly the remaining change.
     gain = way / (jerk * h * h)
     n = np.maximum(np.ceil((np.sqrt(1.0 + 8.0 * gain) - 1.0) / 2.0 - 1e-9), 1.0)
     aim = np.minimum((gain / n + (n - 1.0) / 2.0) * jerk * h, acceleration)
-    # The acceleration rises as slowly as the slowest joint requires, and falls as fast as each joint allows.
+    # The acceleration rises at the common jerk of all joints, which the slowest joint determines. It falls at
+    # the joint's own largest jerk.
     side = np.where(change < 0.0, -1.0, 1.0)
     before, full, rise = side * state.a, rates.jerk * h, jerk * h
     against = before < 0.0
-    # Accelerations away from the target velocities are reduced so that they end for all joints at once;
-    # otherwise the direction of motion would change meanwhile.
+    # Accelerations away from the requested velocities are reduced first. They reach zero at the same time in
+    # all joints; otherwise the direction of motion would change.
     strong = np.where(against, -before, _STILL)
     unwound = strong * (full / np.maximum(strong, _STILL)).min()
-    # A joint that would exceed its velocity limit in this time is an exception: it uses its full jerk.
+    # Exception: if a joint would exceed its velocity limit before its acceleration is zero, this joint uses
+    # its own largest jerk.
     steps = np.floor(strong / unwound)
     gained = h * (steps * strong - unwound * steps * (steps + 1.0) / 2.0)
     unwound = np.where(gained - side * state.v > rates.velocity, full, unwound)

@@ -57,7 +57,7 @@ def live_motion(
         return Result(None, around.diagnostics)
     writing = backend_of(robot).live()
     if writing is None:
-        message = "this kind of controller has no live motions"
+        message = "this kind of controller doesn't support live motions"
         return Result(None, (Diagnostic("Y1616", message, help="move the robot by commands"),))
     speed = robot.jog_speed if settings.speed is None else settings.speed
     segment = max(settings.segment, robot.controller.smallest_segment)
@@ -67,10 +67,11 @@ def live_motion(
     strict = scene_of(robot, around_start(cell, touching=False)).value if leaves else None
     judge = Judge(robot, position, segment, speed, tool, *around.value, strict=strict, points=writing.points)
     (stands,) = writing.lines(robot, position[None], decimals)
-    # The first motion to rest ends at the nearest position that can be printed.
+    # Check a text that moves the robot only to the nearest position that can be printed exactly, and ends
+    # there at rest. If even this text can't be proved, no live motion can begin here.
     if objection := judge.objection((stands,) * 3, ()):
-        message = f"where the robot stands, no live motion can begin: {objection}"
-        return Result(None, (Diagnostic("Y1616", message, help="move it away by a command"),))
+        message = f"no live motion can begin at the robot's position: {objection}"
+        return Result(None, (Diagnostic("Y1616", message, help="move the robot away by a command"),))
     rates = rates_of(robot, settings.share)
     steering = Steering(robot, tool, rates, speed)
     generator = Generator(

@@ -6,12 +6,12 @@ every instant the limits of position, velocity, acceleration and jerk of each jo
 motors, the largest speed of the tool, the distances of all bodies, and the zones. The text must end at rest.
 
 The motion begins at the commanded position of the motors: the first three control points of SPLINE1 are this
-position, and no line contains it. Therefore it is an argument here, with the precision of the controller's
-registers, and the robot need not move to a printed start first. The streaming code reads the position again
-right before the motion, and doesn't begin if it is farther away than `slack`. If each of the three points is
-off by d, then the velocities in the first three segments are off by at most d / h, the accelerations by d /
-h^2, and the jerks by 2 d / h^3 (the differences of d, d, d, 0, 0, 0). All checks allow for these additional
-amounts.
+position, and no line contains it. Therefore this position is an argument here, with the precision of the
+controller's registers, and the robot need not move to a printed start first. The streaming code reads the
+position again right before the motion, and doesn't begin if it is farther away than `slack`. If each of the
+three points is off by d, then the velocities in the first three segments are off by at most d / h, the
+accelerations by d / h^2, and the jerks by 2 d / h^3 (the differences of d, d, d, 0, 0, 0). All checks allow
+for these additional amounts.
 """
 
 from __future__ import annotations
@@ -39,21 +39,23 @@ from yarclang.robot.model import START_SHARE, Array, Robot
 from yarclang.units import MM
 
 _BEYOND = 1.0
-"""Assumed largest distance of the tool's collision bodies from the tool's origin [m]. It is used to bound how
-far these bodies may be from the proved motion.
+"""Assumed largest distance of the tool's collision bodies from the tool's origin [m]. From this distance
+follows how far a deviation at the start can shift these bodies from the proved motion.
 """
 
 _AHEAD, _AROUND = 1.5, 1e-3
-"""Size of the box of joint positions around the end of a text that is tested for free room: the text's extent
-times the first number, plus the second number as a margin [rad or m].
+"""Size of the room (a box of joint positions around the end of a text) that is tested for collisions. The box
+reaches `_AHEAD` times as far as the text itself, plus `_AROUND` [rad or m].
 """
 
 _CROWDED = 8
-"""Number of texts for which no free room is searched after a search has found none."""
+"""If a test finds no free room, this number of texts is proved before room is tested again, because each test
+takes time.
+"""
 
 _PIECES = (1, 8, 64)
-"""Numbers of equal intervals into which a segment's time is cut to bound the tool's speed. If the bound is
-too loose with one number, the next is tried.
+"""Numbers of pieces into which a segment's time is cut to bound the tool's speed. If the bound with one
+number is too high, the next number is tried.
 """
 
 
@@ -119,8 +121,8 @@ class Judge:
         self.stopped_by: tuple[str, ...] = ()
 
     def objection(self, lines: tuple[str, ...], tail: tuple[str, ...]) -> str:
-        """Return the reason why lines must not be streamed; empty if they are proved together with the motion
-        to rest.
+        """Return the reason why lines must not be streamed. Empty: the lines are proved, together with the
+        motion to rest after them.
 
         Args:
             lines: lines to be streamed.
@@ -132,16 +134,17 @@ class Judge:
             return points
         last = points[-3:] if len(points) >= 3 else np.concatenate([self._behind, points])[-3:]
         if np.ptp(last, axis=0).any():
-            return "the path after it doesn't end at rest"
+            return "the path after the increment doesn't end at rest"
         control = np.concatenate([self._behind, points])
         count = len(control) - 3
         cubics = Cubics.of_spline(control, np.arange(count), np.full(count, self._segment))
-        # Each segment has four control points. The first segments contain points of the start, which may be
-        # off.
+        # Each segment depends on four control points. The first segments depend on points of the start
+        # position, which may be off.
         off = np.where(np.arange(count) < self._starts, 1.0, 0.0)
         beside = off * self._beside
-        # The velocity of a point is J(q) w. In the first segments, the error of w adds at most beside / h to
-        # it, and the error of q in J(q) adds at most beside times the sum of |w|.
+        # The velocity of a point is J(q) w, with its Jacobian J, the joint positions q and the joint
+        # velocities w. In the first segments, the error of w adds at most beside / h to it (h: the segment
+        # time), and the error of q in J(q) adds at most beside times the sum of |w|.
         faster = beside * (1.0 / self._segment + cubics.velocity_peaks().sum(axis=1))
         return (
             self._limits(cubics, off[:, None] * self.slack)
@@ -150,13 +153,13 @@ class Judge:
         )
 
     def admit(self, lines: tuple[str, ...]) -> None:
-        """Record that lines are streamed for which `objection` has returned no reason."""
+        """Record that lines are streamed. `objection` must have returned no reason against them."""
         points = self._points(self._robot, lines)
         assert not isinstance(points, str)
         self._behind = np.concatenate([self._behind, points])[-3:]
         if self._strict is not None and len(points):
-            # The motion continues from these three points. As soon as nothing is near them, bodies that were
-            # allowed to touch at the start must stay apart.
+            # The motion continues from these three points. As soon as all bodies are apart around them, the
+            # bodies that were allowed to touch at the start must stay apart.
             lower, upper = self._behind.min(axis=0), self._behind.max(axis=0)
             around = Room((lower + upper) / 2.0, upper - lower + _AROUND)
             if is_free(self._strict, around):
@@ -164,17 +167,18 @@ class Judge:
         self._starts = max(0, self._starts - len(points))
 
     def _limits(self, cubics: Cubics, off: Array) -> str:
-        """Check the limits of joints and motors. Return the reason why a limit isn't respected; empty if all
-        are. The control points of each segment may be off by `off` (N, n) [rad or m].
+        """Return the reason why the motion exceeds a limit of a joint or motor; empty if it exceeds none. The
+        control points of each segment may be off by `off` (N, n) [rad or m].
         """
         h = self._segment
         robot, limits, names = self._robot, self._robot.limits, self._robot.joint_names
         lower, upper = cubics.position_range()
-        # The start may be beyond a limit by its own uncertainty.
+        # A control point that may be off by `off` may also be beyond a limit by that much.
         past = (np.maximum(upper - limits.upper, limits.lower - lower) - off).max(axis=0) / robot.axis_units
         if (past > POSITION_UNITS).any():
             return f"{names[int(np.argmax(past))]} would go past its limit"
-        # If control points are off by d, differences over h are off by at most d / h, d / h^2 and 2 d / h^3.
+        # If control points are off by `off`, velocities are off by at most off / h, accelerations by off /
+        # h^2, and jerks by 2 off / h^3 (module docstring).
         shares = {
             "velocity": (cubics.velocity_peaks() + off / h) / limits.velocity,
             "acceleration": (cubics.acceleration_peaks() + off / h**2) / limits.acceleration,
@@ -193,10 +197,10 @@ class Judge:
         return ""
 
     def _tool_speed(self, cubics: Cubics, faster: Array) -> str:
-        """Check the tool's speed. Return the reason why it may be too large; empty if it can't be.
+        """Return the reason why the tool may be too fast; empty if it can't be.
 
-        A segment's time is cut into shorter intervals until the bound is tight enough. In each segment the
-        tool may be faster than computed by `faster` (N,) [m/s].
+        A segment's time is cut into shorter pieces until the bound is tight enough. In each segment the tool
+        may be faster than computed by `faster` (N,) [m/s].
         """
         worst = 0.0
         for pieces in _PIECES:
@@ -212,9 +216,10 @@ class Judge:
         """Return an upper bound of the speed of the tool's origin in each segment, as (N,) [m/s].
 
         Each segment's time is cut into `pieces` equal intervals. The bound is the speed at the middle of an
-        interval, plus its largest increase towards the ends of the interval. |p''| is at most the sum over
-        joints of R_m (B_m - B_(m-1)), with B = (sum w)^2 + sum a over the joints up to m, as in
-        `bounds.arm_fourth`; a sliding joint enters once, with length 1.
+        interval, plus the largest increase from the middle to the ends of the interval. This increase follows
+        from a bound on the acceleration: |p''| is at most the sum over joints m of R_m (B_m - B_(m-1)). R_m
+        is the reach of joint m, and B_m = (sum w)^2 + sum a, with the largest velocities w and accelerations
+        a of the joints up to m, as in `bounds.arm_fourth`. A sliding joint enters once, with length 1.
         """
         robot, half = self._robot, self._segment / (2.0 * pieces)
         count = len(cubics.h)
@@ -250,13 +255,13 @@ class Judge:
             found = clearances(scene, course, spans)
             if found.meetings:
                 one, other = self.stopped_by = scene.names(found.meetings[0].pair)
-                return f"{one} would come too near to {other}"
+                return f"{one} would come too close to {other}"
         if self._watches:
             broken = kept(scene, course, spans, self._watches).breaches
             if broken:
                 zone = self._watches[broken[0].watch].zone.name
                 self.stopped_by = (zone,)
-                return f"the zone {zone} would be broken"
+                return f"the zone {zone} would be violated"
         for watch in self._slow:
             allowed = watch.zone.speed or 0.0
             fastest = float(fastest_inside(scene, course, spans, watch, least=allowed).speed[0])
@@ -276,7 +281,7 @@ class Judge:
         if self._crowded:
             self._crowded -= 1
             return False
-        # The room is centered at the end of the text, so that the next texts are also within it.
+        # Center the room at the end of the text, so that it probably contains the next texts as well.
         room = Room(end, _AHEAD * np.maximum(upper - end, end - lower) + _AROUND)
         self._room = room if is_free(scene, room) else None
         self._crowded = _CROWDED if self._room is None else 0

@@ -1,8 +1,8 @@
 """Free room around a joint position: a box of joint positions in which all bodies stay apart. One proof of a
 box is valid for all paths within it.
 
-The text of a jog is proved every 30 ms, mostly with nothing nearby. Then one proof of a box covers many of
-these texts.
+The text of a jog is proved every 30 ms, mostly with no obstacle nearby. As long as no obstacle is near, the
+proof of one box replaces the proofs of many such texts.
 """
 
 from __future__ import annotations
@@ -42,9 +42,9 @@ def is_free(scene: Scene, room: Room) -> bool:
     """Return True if all pairs of bodies are proved to be farther apart than their margins plus `SLACK` at
     all joint positions in a room (a box of joint positions).
 
-    The bound is the distance of two bodies at the middle of the room, minus their largest relative motion
-    from there (`collision.travel`, whose bound is valid at each joint position in the box). Bounding spheres
-    decide most pairs, then bounding boxes, then the shapes themselves.
+    A pair's distance is bounded from below by the distance at the middle of the room, minus the largest
+    relative motion of the two bodies within the room (`collision.travel`). Bounding spheres decide most
+    pairs, then bounding boxes, then the shapes themselves.
     """
     placed = place(scene, room.middle[None])
     moves = travel(placed, room.reach[None])

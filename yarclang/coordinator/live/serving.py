@@ -1,10 +1,11 @@
-"""Servers through which another process steers the robot (`messages/wants.py`): a master arm that the robot
-follows, or a program that sends velocities.
+"""Servers through which another process steers the robot: a master arm that the robot follows, or a program
+that sends velocities. The messages are in `messages/wants.py`.
 
-The right to steer is checked before the first order is read: by the permissions of a Unix socket's file and
-the caller's user, or, over TCP, by a token. Only one process steers at a time. A process without the right
-can occupy one of a few places for waiting connections for a few seconds, but never the place of the process
-that steers.
+The right to steer is checked before the first order is read. A Unix socket checks it by the permissions of
+its file and the caller's user, a TCP port by a token.
+
+Only one process steers at a time. A few callers that haven't proved their right yet may wait for a few
+seconds. They can never displace the process that steers.
 """
 
 from __future__ import annotations
@@ -36,11 +37,13 @@ _TOKEN_BYTES = 32
 """Number of random bytes in a token."""
 
 _UNREAD = 1 << 16
-"""Number of bytes that a caller hasn't read from which on no further replies are written to it."""
+"""Largest number of bytes that a caller hasn't read yet. Beyond it, further replies to the caller are
+dropped.
+"""
 
-_TAKEN = "another process steers the robot"
+_TAKEN = "another process already steers the robot"
 
-_UNTOLD = 'the first line must be {"token": "..."}, with the token that yarc follow gives'
+_UNTOLD = 'the first line must be {"token": "..."}, with the token that yarc follow prints'
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +60,7 @@ class UnixDoor:
 @dataclass(frozen=True, slots=True)
 class TcpDoor:
     """A TCP port. All users of this computer can reach it, and so can every web page that is open on this
-    computer. Therefore the first line must contain the token.
+    computer. Therefore the first line of each connection must contain the token.
 
     Attributes:
         port: number of the port; 0: any free port.
@@ -71,8 +74,8 @@ class TcpDoor:
     token: str = field(init=False, repr=False, default_factory=lambda: secrets.token_urlsafe(_TOKEN_BYTES))
 
     def opens_by(self, token: str) -> bool:
-        """Return True if a token opens this door. The comparison takes constant time, and accepts any string
-        that JSON can contain.
+        """Return True if a token opens this door. The comparison takes constant time, and doesn't fail for
+        any string that JSON can contain.
         """
         return secrets.compare_digest(_bytes(token), _bytes(self.token))
 
@@ -195,7 +198,7 @@ class MasterServer:
             self._waiting.pop(task, None)
             self._tasks.discard(task)
             if writer.transport.get_write_buffer_size():
-                writer.transport.abort()  # the caller doesn't read; closing would wait for that
+                writer.transport.abort()  # the caller doesn't read; closing would wait until it does
             else:
                 writer.close()
 
@@ -214,7 +217,7 @@ class MasterServer:
                 return _TAKEN
         if len(self._waiting) >= self._patience.waiting:
             oldest = next(iter(self._waiting))
-            self._waiting.pop(oldest).write(_denied("too many processes wait to steer the robot"))
+            self._waiting.pop(oldest).write(_denied("too many processes are waiting to steer the robot"))
             oldest.cancel()
         self._waiting[task] = writer
         first = await line_within(reader, self._patience.first)
@@ -225,7 +228,7 @@ class MasterServer:
             if isinstance(token, Denied):
                 return token.error
             if not self.door.opens_by(token):
-                return "the token is wrong: yarc follow gives another one each time that it begins"
+                return "the token is wrong: yarc follow creates a new one at each start"
         del self._waiting[task]
         if not first:
             return ""
@@ -241,8 +244,8 @@ class MasterServer:
             self._steers = None
 
     async def _serve(self, line: bytes, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> str:
-        """Carry out the orders of a caller, line by line; the first line may have been read already. Return
-        the reason why the connection ends.
+        """Carry out the orders of a caller, line by line. `line` is the first line, which was read already.
+        Return the reason why the connection ends.
         """
         begun = False
         try:
@@ -261,7 +264,7 @@ class MasterServer:
                 answer = write_answer(await self._answer(asked.what), asked.id)
                 if writer.transport.get_write_buffer_size() < _UNREAD:
                     writer.write(answer)
-                await asyncio.sleep(0)  # a flood of lines gets one turn of the event loop per line
+                await asyncio.sleep(0)  # other tasks run after each line, even in a flood of lines
         except Trouble as trouble:
             return trouble.what
         finally:
@@ -284,8 +287,8 @@ def _denied(error: str) -> bytes:
 
 
 def token_in(line: bytes, untold: str = _UNTOLD) -> str | Denied:
-    """Return the token that a line contains. If the line has none, return a denial, usually with the text
-    `untold`. Raises no exception for any line.
+    """Return the token that a line contains; otherwise a denial. If the line is a JSON object without a
+    token, the denial has the text `untold`. No line raises an exception.
     """
     content = read_object(line, MOST_LINE)
     if isinstance(content, Denied):
@@ -295,8 +298,8 @@ def token_in(line: bytes, untold: str = _UNTOLD) -> str | Denied:
 
 
 async def line_within(reader: asyncio.StreamReader, seconds: float) -> bytes | Denied:
-    """Return the next line; empty at the end of the connection. An incomplete last line is ignored: a caller
-    that dies while writing a line hasn't given the order.
+    """Return the next line; empty at the end of the connection. An incomplete last line is ignored, so that
+    an order isn't executed if its caller dies while writing it.
 
     Args:
         reader: reader of the connection.
@@ -308,7 +311,7 @@ async def line_within(reader: asyncio.StreamReader, seconds: float) -> bytes | D
     except ValueError:  # longer than the reader's limit
         return too_long(MOST_LINE)
     except TimeoutError:
-        return Denied(error=f"nothing was said for {seconds:g} s")
+        return Denied(error=f"no line was received for {seconds:g} s")
     return line if line.endswith(b"\n") else b""
 
 
@@ -318,9 +321,7 @@ def _bytes(token: str) -> bytes:
 
 
 def _remover(path: Path) -> Callable[[], None]:
-    """Return a function that removes a socket's file. It doesn't remove a file that belongs to another
-    socket by then.
-    """
+    """Return a function that removes a socket's file, unless the file belongs to another socket by then."""
     status = path.lstat()
 
     def remove() -> None:

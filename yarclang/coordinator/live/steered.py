@@ -24,13 +24,15 @@ if TYPE_CHECKING:
     from yarclang.coordinator.client import Client
 
 _SMOOTH = 0.3
-"""Weight of a new estimate of the master's velocity."""
+"""Weight of the newest estimate of the master's velocity in the moving average of all estimates."""
 
 _LONGEST_GAP = 0.2
-"""Longest time between messages from which a velocity is estimated [s]."""
+"""Longest time between two positions of a master from which its velocity is estimated [s]."""
 
 _JUMP = 0.5
-"""Largest change of a joint between two poses of one path [rad or m]."""
+"""Largest change of a joint between the master's current and previous poses [rad or m]. A larger change is
+refused, because the robot would have to jump.
+"""
 
 
 class Reader:
@@ -79,7 +81,7 @@ class Reader:
         if len(values) != self._robot.size:
             names = " ".join(self._robot.joint_names)
             raise Trouble(
-                f"{self._robot.size} finite numbers are wanted, one a joint ({names})", code="Y1616"
+                f"{self._robot.size} finite numbers are needed, one per joint ({names})", code="Y1616"
             )
         return np.array(values)
 
@@ -103,7 +105,7 @@ class Reader:
         past = np.maximum(q - limits.upper, limits.lower - q)
         if (past > 0.0).any():
             joint = int(np.argmax(past))
-            raise Trouble(f"{self._robot.joint_names[joint]} would be out of its limits", code="Y1616")
+            raise Trouble(f"{self._robot.joint_names[joint]} would exceed its limits", code="Y1616")
         if rate is None:
             gap = None if self._heard is None else now - self._heard
             if gap is None or not 0.0 < gap < _LONGEST_GAP:
@@ -200,12 +202,12 @@ class Steered:
             self._drive.want(target)
             return self._drive
         if self._begun_at not in (None, self._rests()):
-            # The master keeps sending because it doesn't know of the stop. Without this check, the stop would
-            # last only until its next line.
+            # The master doesn't know of the stop, and keeps sending targets. Without this check, its next
+            # target would start the robot again.
             remedy = 'send {"finish": true} first, or connect again'
-            raise Trouble("somebody has stopped or held the robot", remedy, UNDER_WAY)
+            raise Trouble("another client has stopped or held the robot", remedy, UNDER_WAY)
         if self._over:
-            what = "the live motion has ended: no target came for too long, or somebody stopped it"
+            what = "the live motion has ended: no target came for too long, or the motion was stopped"
             raise Trouble(what, "begin another", UNDER_WAY)
         live, rests = self._client.live, self._rests()
         made = await live.drive(target, moving=self._moving, settings=self._settings, name=self._title)

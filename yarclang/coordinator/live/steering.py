@@ -16,23 +16,25 @@ from yarclang.robot.kinematics.singularity import weighted_jacobians
 from yarclang.robot.model import Array, Robot
 
 SLOW, STILL = 0.06, 0.02
-"""Smallest singular values of the weighted Jacobian (`robot.kinematics.singularity`): on the way to a
-singularity, a motion slows down below the first value and stops at the second.
+"""Thresholds for the smallest singular value of the weighted Jacobian (`robot.kinematics.singularity`). A
+motion towards a singularity slows down when this value falls below `SLOW`, and stops when it reaches `STILL`.
 """
 
 _AHEAD = 0.02
-"""Distance ahead at which the motion is tested for a singularity, as motion of the fastest joint [rad, or
-arm's lengths for a sliding joint].
+"""Distance ahead at which a motion is tested for approaching a singularity. It is the distance that the
+fastest joint moves [rad, or arm's lengths for a sliding joint].
 """
 
 _SAME = 1e-7
 _KEPT = 0.9
-"""Share of the tool's largest speed that is used. The rest allows for a higher speed inside a segment than at
-its control points.
+"""Share of the tool's largest speed that is used at the control points. Between control points, the tool may
+be faster.
 """
 
 _NEAR = 0.2
-"""Time in which the robot reaches a master that stands still [s]."""
+"""Time constant with which the robot approaches its master [s]: the additional velocity is the distance
+divided by this time.
+"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,7 +70,9 @@ Target = JointVelocity | Twist | Master
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Steered:
-    """Joint velocities (n,) [rad/s or m/s], and the reason in words if they aren't those of the target."""
+    """Joint velocities (n,) [rad/s or m/s]. If they differ from those of the target, `held_back` is the
+    reason.
+    """
 
     velocity: Array
     held_back: str = ""
@@ -120,7 +124,8 @@ class Steering:
             q: (n,) joint positions [rad or m].
             reason: reason why the velocities already differ from those of the target; empty: they don't.
         """
-        # Factors by which the joints and the tool would exceed their limits; the largest one counts.
+        # Factor by which the joints or the tool would exceed their limits. All joints are slowed down by this
+        # factor.
         share = float((np.abs(requested) / self._rates.velocity).max(initial=0.0))
         tool = float(np.linalg.norm((self._jacobian(q) @ (requested / self._slide))[:3])) * self._length
         share = max(share, tool / (_KEPT * self._speed))
@@ -139,8 +144,8 @@ class Steering:
         if not requested.any():
             return Steered(np.zeros_like(q))
         left, values, right = np.linalg.svd(self._jacobian(q), full_matrices=False)
-        # Damped least squares: near a singularity, directions that would need unlimited speed are faded out.
-        # Elsewhere the solution is exact.
+        # Damped least squares. Near a singularity, directions in which the joints would become too fast are
+        # faded out. Elsewhere the solution is exact.
         damping = np.where(values < SLOW, (SLOW - values) * STILL, 0.0)
         joints = (
             right.T @ (values / (values**2 + damping) * (left.T @ requested)) if values.any() else 0.0 * q
@@ -151,18 +156,19 @@ class Steering:
             ahead = q + _AHEAD * joints * self._slide / np.abs(joints).max()
             approaches = np.linalg.svd(self._jacobian(ahead), compute_uv=False)[-1] < least - _SAME
             if approaches:
-                # Motion away from a singularity is always allowed.
+                # Only motion towards the singularity is slowed down.
                 factor = float(np.clip((least - STILL) / (SLOW - STILL), 0.0, 1.0))
                 reason = f"near a singularity (smallest singular value {least:.3f})"
         return self._within(factor * joints * self._slide, q, reason)
 
     def _towards(self, master: Master, state: State) -> Array:
-        """Return the master's joint velocities plus joint velocities that reduce the distance to the master.
-        The latter are small enough to brake within the remaining distance.
+        """Return the velocities with which the joints approach a master: the master's velocities plus a
+        correction that reduces the distance. The correction is small enough to brake within the remaining
+        distance.
         """
         left = master.q - state.c
         brake = 0.5 * self._rates.acceleration
-        # From v = sqrt(2 a s), a joint comes to rest within the distance s with the deceleration a.
+        # A joint with the speed sqrt(2 a s) comes to rest within the distance s at the deceleration a.
         fast = np.sqrt(2.0 * brake * np.abs(left))
         velocity: Array = master.rate + np.sign(left) * np.minimum(fast, np.abs(left) / _NEAR)
         return velocity

@@ -20,8 +20,8 @@ class CourseCommand(Message):
 
 
 class NearestProved(Message):
-    """The smallest proved distance between bodies: the two bodies (empty: all bodies stay farther apart), the
-    command, and the time [s]; null: not known.
+    """The smallest proved distance between bodies, with the two bodies, the command, and the time [s] (null:
+    not known). If the distance is a bound for all bodies, the names of the two bodies are empty.
     """
 
     distance_mm: float
@@ -33,8 +33,8 @@ class NearestProved(Message):
 
 
 class ProgramCourse(Reply):
-    """Course of a program along its longest branches: its motion, and the proved distances. Times count from
-    the program's beginning, like those of `progress`.
+    """Motion of a program along its longest branches, and the proved distances. Times count from the
+    program's beginning, like those of `progress`.
     """
 
     course: Course
@@ -43,17 +43,17 @@ class ProgramCourse(Reply):
     """The motions of the course."""
     takes: Takes
     nearest: NearestProved | None
-    """Smallest proved distance; null: no bodies are known, or no two of them move relative to each other."""
+    """Smallest proved distance; null: no bodies are known, or no body moves relative to another one."""
     path: PathBound
     peaks: Peaks | None
-    """Largest used shares of the limits; null if nothing moves."""
+    """The largest shares of the limits that the motion uses; null if nothing moves."""
     left_out: int
-    """Number of motions in the shorter branches of WHENs, which are left out."""
+    """Number of motions in the shorter branches of WHENs. `course` doesn't contain these motions."""
     unknown: str
     """Reason why the motion isn't known; empty if it is known."""
     sha256: str
     """SHA-256 of the text of the proved program (UTF-8); empty if only a controller text is known."""
     changed: bool | None
-    """True if the file has changed since the program was loaded; the proved text is the one that runs. Null:
-    the file can't be read, or there is none.
+    """True if the file has changed since the program was loaded. The run still uses the text that was proved.
+    Null: there is no file, or it can't be read.
     """

@@ -32,7 +32,7 @@ class StateChanged(BaseEvent):
 
 
 class ValuesAsked(BaseEvent):
-    """The program accepts values from outside now (`fill`). Null: it no longer does, because the values were
+    """The program accepts values from outside now (`fill`). Null: it no longer accepts any, because they were
     given or the wait is over.
     """
 
@@ -49,10 +49,11 @@ class Position(BaseEvent):
 
 
 class ProgressMade(BaseEvent):
-    """Progress of the program: known time that has passed [s], remaining time at the present override [s],
-    and the command that is being executed with its line.
+    """Progress of the program: passed time [s], remaining time at the present override [s], and the command
+    that is being executed with its line.
 
-    Motions and dwells count. Where the program branches, the longer branch counts.
+    The times are those of motions and dwells, without waits. Where the program branches, the time of the
+    longer branch counts.
     """
 
     event: Literal["progress"] = "progress"
@@ -63,7 +64,7 @@ class ProgressMade(BaseEvent):
 
 
 class Found(BaseEvent):
-    """Findings in a text that a client has sent."""
+    """Findings about a text that a client has sent."""
 
     event: Literal["findings"] = "findings"
     client: str
@@ -77,7 +78,7 @@ class Told(BaseEvent):
     text: str
     warning: bool = False
     stopped_by: tuple[str, ...] = ()
-    """Bodies and zones that limit a live motion, if the message is about this."""
+    """Bodies and zones that limit a live motion; empty for all other messages."""
     code: str | None = None
     """Code of the finding, if there is one."""
 
@@ -100,8 +101,8 @@ class Began(BaseEvent):
     """A motion was ordered and is being sent to the controller: its name, its duration, and the client that
     ordered it.
 
-    `duration_s` is the known time along the longest branches. `waits` is the largest number of waits for an
-    input or the operator.
+    `duration_s` is the time of motions and dwells along the longest branches. `waits` is the largest possible
+    number of waits for an input or the operator.
     """
 
     event: Literal["began"] = "began"
@@ -112,8 +113,8 @@ class Began(BaseEvent):
 
 
 class PartBegan(BaseEvent):
-    """A part of the run begins: the motion to the start, the program or its rest, one of its commands, or
-    another pass.
+    """A part of the run begins: the motion to the start, the program or the rest of it, one of its commands,
+    or another pass.
 
     `offset_s` is the time of the program at which the part begins [s].
     """
@@ -128,11 +129,15 @@ class PartBegan(BaseEvent):
     of: int | None
     """Total number of steps or passes; null: unlimited."""
     leads_out: bool = False
-    """True: the part isn't in the program. It leads back and out after a watched input has held a motion."""
+    """True: the part is the retreat after a watched input has held a motion (back on the path, then out). The
+    retreat isn't in the program.
+    """
 
 
 class Paused(BaseEvent):
-    """The robot waits for a request before the next command `title`, which is number `number` of `of`."""
+    """The robot waits until somebody orders the next command. `title` is the command, `number` its number,
+    and `of` the number of all commands.
+    """
 
     event: Literal["paused"] = "paused"
     title: str
@@ -167,8 +172,8 @@ class OutputSet(BaseEvent):
 
 
 class WaitBegan(BaseEvent):
-    """The robot stands at a WAIT, at `place` in the program: the input must become `wanted`; its present
-    value is `value`.
+    """The robot stands at a WAIT, at `place` in the program, until the input has the value `wanted`. Its
+    present value is `value`.
     """
 
     event: Literal["wait_began"] = "wait_began"
@@ -180,8 +185,8 @@ class WaitBegan(BaseEvent):
 
 
 class WaitEnded(BaseEvent):
-    """A WAIT has ended after `waited_s`: because the input has the wanted value, or, if `met` is false,
-    because the time of the WAIT is over.
+    """A WAIT has ended after `waited_s`. `met` is true if the input has the wanted value, false if the time
+    limit of the WAIT has passed.
     """
 
     event: Literal["wait_ended"] = "wait_ended"
@@ -204,7 +209,7 @@ class InputChanged(BaseEvent):
 
 
 class SceneChanged(BaseEvent):
-    """The bodies, zones or parts around the robot may have changed: request `scene` again."""
+    """The bodies, zones or parts around the robot may have changed. The order `scene` returns them."""
 
     event: Literal["scene_changed"] = "scene_changed"
 
@@ -238,4 +243,4 @@ Event = Annotated[
 ]
 
 COALESCED = (Position, ProgressMade, SceneChanged)
-"""Events of which only the newest waits."""
+"""Types of events of which only the newest one waits for a subscriber."""

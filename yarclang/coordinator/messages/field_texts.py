@@ -1,5 +1,5 @@
-"""The docstrings below a message's fields. They are read from the source when a schema needs them, because
-reading them at each start would slow it down.
+"""The docstrings below the fields of messages. They are read from the source only when a schema needs them,
+since reading them at each start would slow yarclang down.
 """
 
 from __future__ import annotations

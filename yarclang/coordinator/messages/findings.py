@@ -28,8 +28,8 @@ class FindingFix(Message):
 
 
 class FindingWithin(Message):
-    """The line of a module that has the finding. The line of the finding itself calls the module. `file` is
-    empty for an installed module.
+    """The cause of a finding in a module. The line of the finding itself is the call of the module. `file` is
+    null for an installed module.
     """
 
     module: str
@@ -57,9 +57,9 @@ class Finding(Message):
     help: str | None
     fix: FindingFix | None
     text: str | None = None
-    """The source line that has the finding."""
+    """The source line to which the finding refers."""
     within: FindingWithin | None = None
-    """The line of a module that has the finding, if the source line calls a module."""
+    """The cause of the finding in a module, if the source line calls a module."""
 
 
 def finding_message(finding: Diagnostic) -> Finding:
@@ -93,7 +93,7 @@ def finding_messages(findings: tuple[Diagnostic, ...]) -> tuple[Finding, ...]:
 
 
 def finding_of(message: Finding) -> Diagnostic:
-    """Return the finding that a message describes. Of its source, only the affected line is known."""
+    """Return the finding that a message describes. Only the affected line of its source text is known."""
     source = None if message.file is None else SourceFile(message.file, "")
     span = None
     if message.file is not None and message.line is not None:

@@ -29,10 +29,10 @@ MOST_ANSWER: Final = 1 << 26
 
 _SHOWN = 40
 _HTTP = re.compile(rb"[A-Z]+ \S+ HTTP/")
-"""Pattern for the first line of a browser's request."""
+"""Pattern that recognizes the first line of a browser's request (HTTP)."""
 
 Id: TypeAlias = int | str | None
-"""Label of an order, chosen by the sender. The reply has the same label."""
+"""Identifier of an order, chosen by the sender. The reply has the same identifier."""
 
 _ORDERS: dict[str, type[Order[Any]]] = {one.model_fields["order"].default: one for one in orders.KINDS}
 _WANTS: dict[str, type[Order[Any]]] = {one.key: one for one in wants.KINDS}  # type: ignore[attr-defined]
@@ -42,8 +42,8 @@ _WANTS: dict[str, type[Order[Any]]] = {one.key: one for one in wants.KINDS}  # t
 class Asked:
     """The order on a line, with its `id`.
 
-    `ends` is True if the line isn't a JSON object. Then the connection ends: the caller uses another
-    protocol, and later lines might look like orders by chance.
+    `ends` is True if the line isn't a JSON object: then the connection must be closed. The caller uses
+    another protocol, and one of its later lines might look like an order by chance.
     """
 
     what: Order[Any] | Denied
@@ -52,7 +52,7 @@ class Asked:
 
 
 def too_long(most: int) -> Denied:
-    """Return the reply to a line that is too long. The rest of the connection can't be read."""
+    """Return the reply to a line that is too long. The caller's next lines can't be read any more."""
     size = f"{most >> 20} MiB" if most >= 1 << 20 else f"{most >> 10} KiB"
     return Denied(error=f"a line is longer than {size}")
 
@@ -64,7 +64,7 @@ def read_order(line: bytes, most: int = MOST_LINE) -> Asked:
         return Asked(content, ends=True)
     id_ = content.pop("id", None)
     if isinstance(id_, bool) or not isinstance(id_, int | str | None):
-        return Asked(Denied(error=f'"id" is {_value_text(id_)}; it may be an integer or a text'))
+        return Asked(Denied(error=f'"id" is {_value_text(id_)}; it must be an integer or a text'))
     return Asked(_order_in(content), id_)
 
 
@@ -86,14 +86,14 @@ def write_event(event: Message) -> bytes:
 
 
 def read_answer(content: dict[str, Any], kind: type[R]) -> R | Denied:
-    """Return the reply to an order of a given kind. A malformed reply is returned as `Denied`."""
+    """Return the reply to an order, as a value of type `kind`. A malformed reply is returned as `Denied`."""
     rest = {key: value for key, value in content.items() if key != "id"}
     try:
         if rest.get("ok") is True:
             return kind.model_validate_json(json.dumps(rest))
         return Denied.model_validate_json(json.dumps(rest))
     except (ValidationError, ValueError, RecursionError):
-        return Denied(error="the answer isn't understood: is it another version of yarc?")
+        return Denied(error="the reply can't be read: is it another version of yarc?")
 
 
 def read_event(content: dict[str, Any]) -> Event | None:
@@ -111,7 +111,9 @@ def read_object(line: bytes, most: int = MOST_ANSWER) -> dict[str, Any] | Denied
 
 
 def name_of(order: Order[Any]) -> str:
-    """Return the word of an order, such as hold or resume; for a target of a live motion, its key."""
+    """Return the word that names an order in JSON, such as hold or resume. For a target of a live motion,
+    return its key.
+    """
     return getattr(order, "order", "") or getattr(order, "key", "")
 
 
@@ -133,21 +135,21 @@ def _order_in(content: dict[str, Any]) -> Order[Any] | Denied:
     if len(keys) == 1:
         return _read(content, _WANTS[keys[0]], keys[0])
     if keys:
-        return Denied(error=f"one of {', '.join(_WANTS)} is wanted at a time, not {len(keys)}")
+        return Denied(error=f"one of {', '.join(_WANTS)} is allowed per line, not {len(keys)}")
     known = f"{', '.join(_ORDERS)}; or {', '.join(_WANTS)} for a live motion"
     return Denied(error=f'there is no "order"; it may be {known}')
 
 
 def _other_version(content: dict[str, Any]) -> Denied | None:
-    """Return a denial if the version of the protocol is different. This is checked first, because other
-    errors may be its consequences.
+    """Return a denial if a message has another version of the protocol. This is checked before everything
+    else, since another version may cause all kinds of errors.
     """
     version = content.get("version", VERSION)
     if version == VERSION:
         return None
     return Denied(
-        error=f"version {_value_text(version)} of the protocol isn't spoken here; this is version {VERSION}",
-        help="use a client of the same yarclang",
+        error=f"version {_value_text(version)} of the protocol isn't supported; this is version {VERSION}",
+        help="use a client of the same version of yarclang",
     )
 
 
@@ -168,7 +170,7 @@ def _mistake(word: str, kind: type[Order[Any]], error: ValidationError) -> str:
         return f"{word} can't be read"
     key = path[0]
     if first["type"] == "extra_forbidden":
-        return f"{word} takes no {_value_text(key)}"
+        return f"{word} has no field {_value_text(key)}"
     field = kind.model_fields.get(key)
     what = field.description if field is not None and field.description else "another value"
     return f'{word} needs "{key}", {what}' if key != word else f"{word} is {what}"
@@ -178,7 +180,7 @@ def _object_in(line: bytes, most: int) -> dict[str, Any] | Denied:
     if len(line) > most:
         return too_long(most)
     if _HTTP.match(line):
-        return Denied(error="this is no web server: a web page can't steer a robot")
+        return Denied(error="this isn't a web server: a web page can't steer a robot")
     try:
         content = json.loads(line)
     except (ValueError, RecursionError):

@@ -16,19 +16,19 @@ VERSION: Final = 1
 """Version of the protocol. It increases when messages of the previous version are no longer understood."""
 
 LARGEST: Final = 1e9
-"""Largest absolute value of a number in an order [mm, deg or per s]. Beyond it, the kinematics would
-overflow.
+"""Largest absolute value of a number in an order [mm, deg or per s]. Larger numbers could overflow in the
+kinematics.
 """
 
 Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
-"""A finite number of limited size."""
+"""A finite number whose absolute value is at most `LARGEST`."""
 
 Joints = dict[str, float]
 """Joint positions by the names of the joints, in the robot's axis units: deg or mm."""
 
 
 class Message(BaseModel):
-    """An immutable value. Its JSON form has these fields and no others."""
+    """Base class of messages, which are immutable. Their JSON form has exactly their fields."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
@@ -58,8 +58,8 @@ class RegisterRange(Message):
 
 
 class ValuesWanted(Message):
-    """Values that a program accepts from outside while it waits; `fill` answers question `number`. The answer
-    must contain all registers that are `needed`. `place` is the command that waits.
+    """Values that a program accepts from outside while it waits. An order `fill` answers question `number`,
+    and must contain all registers that are `needed`. `place` is the command that waits.
     """
 
     number: int

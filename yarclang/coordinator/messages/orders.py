@@ -1,5 +1,5 @@
-"""Orders and questions of a client. Everybody may order stops and holds, which overtake all other orders.
-Only the robot's owner may give orders that move the robot.
+"""Orders and questions of a client. Every client may order stops and holds, which are executed before all
+other orders. Only the robot's owner may give orders that move the robot.
 """
 
 from __future__ import annotations
@@ -16,15 +16,17 @@ R = TypeVar("R", bound=Reply)
 
 
 class Order(Message, Generic[R]):
-    """Something to do or to report. The reply is of the order's own kind, or a denial."""
+    """A request to do or to report something. Each type of order has a type of reply of its own. Any order
+    may also be answered by `Denied`.
+    """
 
     answer: ClassVar[type[Reply]] = Reply
 
     if not TYPE_CHECKING:
 
         def __class_getitem__(cls, answer: Any) -> Any:
-            """Return a plain alias. Pydantic would create a model for each order, and search all modules for
-            its source at every start.
+            """Return a plain alias. Otherwise pydantic would create a model for each type of reply, and
+            search all modules for the definition of this model at every start.
             """
             return Generic.__class_getitem__.__func__(cls, answer)
 
@@ -99,7 +101,7 @@ class Override(Order[replies.Taken]):
 
 
 class Listen(Order[replies.Done]):
-    """Receive all events from now on; positions only on request."""
+    """Receive all events from now on. Positions are sent only if they are requested."""
 
     order: Literal["listen"] = "listen"
     positions: Annotated[bool, Field(description="true or false")] = False
@@ -144,16 +146,16 @@ class Connect(Order[replies.Done]):
 
 
 class Enable(Order[replies.Serviced]):
-    """Close the open loops of the motors, at rest, one after the other. Each motor must stay in place.
-    Afterwards everything is inspected.
+    """Close the loops of the motors that are open, one after the other, at rest. Each motor must stay in
+    place. Afterwards everything is inspected.
     """
 
     order: Literal["enable"] = "enable"
 
 
 class Disable(Order[replies.Serviced]):
-    """Open the loops of all motors, at rest. Then only the brakes of the machine hold the robot; without
-    brakes, nothing holds it.
+    """Open the loops of all motors, at rest. Then only the brakes of the machine hold the robot. Without
+    brakes, it may fall.
     """
 
     order: Literal["disable"] = "disable"
@@ -166,8 +168,8 @@ class AskHoming(Order[replies.HomeSearches]):
 
 
 class Home(Order[replies.Ended]):
-    """Let the controller search the home of motors, one after the other, as long as `keep` arrives every 0.2
-    s. The search isn't proved. The reply comes when the search has ended.
+    """Let the controller search the home position of motors, one after the other, as long as `keep` arrives
+    every 0.2 s. The search isn't proved. The reply comes when the search has ended.
     """
 
     order: Literal["home"] = "home"
@@ -213,7 +215,7 @@ class AskFrames(Order[replies.Frames]):
 
 
 class AskHealth(Order[replies.Health]):
-    """Ask for the state of motors, link and buffer, as last reported; also during a motion."""
+    """Ask for the last reported state of motors, connection and buffer. Possible during a motion, too."""
 
     order: Literal["health"] = "health"
 
@@ -234,16 +236,16 @@ class SetOutput(Order[replies.Value]):
 
 
 class Fill(Order[replies.Filled]):
-    """Send the values of registers that a program takes from OUTSIDE, while the program waits for them.
-    Either all values are accepted, or none.
+    """Send values for registers that a program takes from OUTSIDE. This is possible while the program waits
+    for them. Either all values are accepted, or none.
     """
 
     order: Literal["fill"] = "fill"
     values: Annotated[dict[str, JsonValue], Field(description="object of integer by name")]
     """Values by the names of the registers."""
     number: Annotated[int | None, Field(description="the number of a question, or null")] = None
-    """Number of the question that is answered (`values_wanted`). An order with the number of a question that
-    is no longer open is refused. Null: the open question.
+    """Number of the question that is answered (from `values_wanted`). If this question is no longer open, the
+    order is refused. Null: the question that is open now.
     """
 
 
@@ -264,8 +266,8 @@ class AskSurroundings(Order[replies.Surroundings]):
 
 
 class AskParts(Order[replies.Parts]):
-    """Ask for the places of the parts in the session's cell, or in another cell. For another cell whose parts
-    nothing has moved, the list in the reply is empty.
+    """Ask for the places of the parts in the session's cell, or in another cell. If the parts of another cell
+    haven't been moved, the list in the reply is empty.
     """
 
     order: Literal["parts"] = "parts"
@@ -289,7 +291,7 @@ class AskScene(Order[replies.Scene]):
 
 
 class PlacePart(Order[replies.Parts]):
-    """Declare the place of a part of the session's cell, as the user sees it."""
+    """Declare where a part of the session's cell is, according to the user."""
 
     order: Literal["place-part"] = "place-part"
     part: Annotated[Name | None, Field(description="a name, or null for all (only with `at` `file`)")] = None
@@ -329,14 +331,15 @@ class Offer(Order[replies.Offered]):
 
 
 class OfferBack(Order[replies.Offered]):
-    """Plan and prove the last motion backwards, along the same path. Nothing moves."""
+    """Plan and prove a motion back along the path of the last motion. Nothing moves."""
 
     order: Literal["offer-back"] = "offer-back"
 
 
 class OfferRecovery(Order[replies.Recovery]):
-    """Plan and prove a motion from the robot's position to a loaded program: to its start (or its named first
-    command), otherwise to the nearest place at which it can begin. Nothing moves.
+    """Plan and prove a motion from the robot's position to a loaded program: to its start, otherwise to the
+    nearest place at which it can begin. If the program was loaded with `first`, only this command is tried.
+    Nothing moves.
     """
 
     order: Literal["offer-recovery"] = "offer-recovery"
@@ -349,13 +352,15 @@ class Go(Order[replies.Ended]):
     order: Literal["go"] = "go"
     offer: Annotated[int, Field(description="the number of an offer")]
     held: Annotated[bool, Field(description="true or false")] = False
-    """True: move only as long as `keep` arrives every 0.2 s; otherwise come to rest on the path until
-    `resume`.
+    """True: move only as long as `keep` arrives every 0.2 s. Otherwise the robot comes to rest on the path,
+    until `resume`.
     """
 
 
 class Keep(Order[replies.Done]):
-    """Keep a held motion (`go` with `held`) going. To be sent at least every 0.2 s."""
+    """Confirm a motion that was begun by `go` with `held`. The motion continues as long as this order arrives
+    at least every 0.2 s.
+    """
 
     order: Literal["keep"] = "keep"
 
@@ -365,9 +370,9 @@ class Load(Order[replies.Loaded]):
 
     order: Literal["load"] = "load"
     file: Annotated[str, Field(description="the path of a file")]
-    """Path of the file; with `text`, the program's name."""
+    """Path of the program's file. If `text` is given, this is only the program's name."""
     text: Annotated[str | None, Field(description="a text, or null")] = None
-    """Text of the program, instead of the file's."""
+    """Text of the program, used instead of the text of the file."""
     first: Annotated[str | None, Field(description="the index of a command, or null")] = None
     """Index of the command at which the run begins."""
     by_steps: Annotated[bool, Field(description="true or false")] = False
@@ -384,14 +389,14 @@ class Load(Order[replies.Loaded]):
     cell: Annotated[str | None, Field(description="the path of a file, or null")] = None
     """For a compiled program: file of the cell, used instead of the program's own cell."""
     source: Annotated[str | None, Field(description="the path of a file, or null")] = None
-    """For a compiled program: file of the source against which it is verified, used instead of the file
-    beside it.
+    """For a compiled program: file of the source against which it is verified; null: the source file in the
+    same folder.
     """
     approach: Annotated[bool, Field(description="true or false")] = False
     """True to plan the motion to the program's start as well."""
     recover: Annotated[bool, Field(description="true or false")] = False
-    """True for a program that is loaded only for `offer-recovery`: at its start, parts are assumed in the
-    places that the cell's file gives.
+    """True for a program that is loaded only for `offer-recovery`. At the start of the program, the cell's
+    parts are then assumed to be in the places that the cell's file gives.
     """
 
 
@@ -414,7 +419,9 @@ class AskCourse(Order[courses.ProgramCourse]):
 
 
 APPROACH_FIRST = "approach it first"
-"""Remedy for a run that the robot can't begin at its position. Each user interface uses its own words."""
+"""Remedy in the refusal of a run if the robot isn't at the program's start. User interfaces recognize this
+text, and show a remedy of their own instead.
+"""
 
 
 class Run(Order[replies.Ended]):
@@ -427,8 +434,8 @@ class Run(Order[replies.Ended]):
     times: Annotated[int | None, Field(ge=1, description="an integer from 1, or null")] = 1
     """Number of passes; null: until somebody stops the run."""
     unless_stopped: Annotated[bool, Field(description="true or false")] = False
-    """True: the run doesn't begin if a stop was ordered since this client's `own`. For clients that plan and
-    run without a user.
+    """True: the run doesn't begin if a stop was ordered since this client's last `own`. For clients that plan
+    and run without a user.
     """
 
 
@@ -437,7 +444,7 @@ class Save(Order[replies.Saved]):
 
     order: Literal["save"] = "save"
     folder: Annotated[str | None, Field(description="the path of a folder, or null")] = None
-    """Folder to which the names of files are made relative."""
+    """Folder for which the program is written: the file names in it become relative to this folder."""
 
 
 class Steer(Order[replies.Done]):
@@ -445,14 +452,14 @@ class Steer(Order[replies.Done]):
 
     order: Literal["steer"] = "steer"
     moving: Name = "{TCP}"
-    """Frame that twists move, to which poses refer, and whose speed is limited."""
+    """Frame of the live motions: twists move it, poses refer to it, and its speed is limited."""
     speed: Annotated[float | None, Field(gt=0.0, le=1e9, description="a positive number, or null")] = None
-    """Largest speed of that frame [mm/s]; null: the robot's jog speed."""
+    """Largest speed of the frame `moving` [mm/s]; null: the robot's jog speed."""
     share: Annotated[float, Field(gt=0.0, le=1.0, description="a number above 0, up to 1")] = 1.0
     """Largest share of the joints' velocity limits that is used."""
     again: Annotated[bool, Field(description="true or false")] = True
-    """True: a target after the end of a motion begins another motion. False: each motion needs this order
-    first.
+    """True: a target after the end of a live motion begins another one. False: this order is needed before
+    each live motion.
     """
     title: Name = "master"
     """Name of the motion."""

@@ -65,7 +65,7 @@ class Status(Reply):
     why: str
     command: Command | None
     done: float
-    """Time of the program that has passed [s]."""
+    """Passed time of the program [s]."""
     left: float
     """Remaining time at the present override [s]."""
     override: float
@@ -75,7 +75,7 @@ class Status(Reply):
     """Number of orders that haven't been processed yet."""
     pid: int
     since: str
-    """Start time of the process, ISO 8601."""
+    """Start time of the coordinator's process, ISO 8601."""
     owner: str | None = None
     """Client that may move the robot."""
     clients: tuple[str, ...] = ()
@@ -93,7 +93,7 @@ class Status(Reply):
 
 
 class Filled(Reply):
-    """The values were accepted, as integers. The program reads them in its registers within 20 ms."""
+    """The values were accepted, as integers. Within 20 ms they are in the program's registers."""
 
     values: dict[str, int]
 
@@ -105,7 +105,7 @@ class Welcome(Reply):
     yarclang: str
     name: str
     fingerprint: str
-    """Fingerprint of the robot."""
+    """Fingerprint (hash) of the robot's description."""
     simulated: bool
     serves: bool
     """True if the process serves clients (`yarc serve`)."""
@@ -116,7 +116,7 @@ class Welcome(Reply):
 
 
 class Place(Reply):
-    """Commanded position of the robot: unrounded, and as the pose of a frame in another frame."""
+    """Commanded position of the robot: joint positions, and the pose of a frame in another frame."""
 
     joints: Joints
     exact: tuple[float, ...]
@@ -127,8 +127,8 @@ class Place(Reply):
 
 
 class NamedFrame(Message):
-    """A frame, in braces, and its pose, a matrix (4, 4) with lengths in m: base_from_frame, or, with
-    `on_flange`, flange_from_frame.
+    """A frame, with its name in braces, and its pose as a matrix (4, 4) with lengths in m. The pose is
+    flange_from_frame if `on_flange` is true, otherwise base_from_frame.
     """
 
     name: str
@@ -144,7 +144,7 @@ class Frames(Reply):
 
 class MotorHealth(Message):
     """Last reported state of a motor: the names of the status bits that are set, the reason why the motor
-    can't move (empty if it can), and its following error [counts], null if not known.
+    can't move (empty if it can), and its following error [counts] (null if not known).
     """
 
     number: int
@@ -156,10 +156,12 @@ class MotorHealth(Message):
 
 
 class Health(Reply):
-    """Last reported state of motors, connection and buffer. `following` is the distance of each joint from
-    its commanded position [deg or mm]. `reply_s` is the time of the last reply, `slowest_s` the longest since
-    the controller was inspected. `ahead` is the number of lines in the controller's buffer, null if nothing
-    is streamed. `guard` is true if the guard PLC was tested and works.
+    """Last reported state of motors, connection and buffer.
+
+    `following` is the distance of each joint from its commanded position [deg or mm]. `reply_s` is the time
+    that the controller took for its last reply. `slowest_s` is the longest such time since the controller was
+    inspected. `ahead` is the number of lines in the controller's buffer, null if nothing is streamed. `guard`
+    is true if the guard PLC was tested and works.
     """
 
     motors: tuple[MotorHealth, ...]
@@ -167,7 +169,9 @@ class Health(Reply):
     reply_s: float
     slowest_s: float
     silence_s: float
-    """Longest silence of the computer after which the controller holds [s]."""
+    """Longest silence of the computer that the controller accepts [s]. After a longer one, it holds the
+    robot.
+    """
     ahead: int | None
     guard: bool
     link: str = ""
@@ -192,9 +196,9 @@ class NamedSignal(Message):
 
 
 class Surroundings(Reply):
-    """The robot's surroundings. `robot` is the folder of its robot.toml. `cell` is the file of the cell: that
-    of the program that was run last, otherwise that of the session. `fixed` is the reason why `input` can't
-    set an input, empty if it can.
+    """The robot's surroundings. `robot` is the folder of its robot.toml. `cell` is the file of the cell: the
+    cell of the program that was run last, otherwise the cell of the session. `fixed` is the reason why the
+    order `input` can't set an input, empty if it can.
     """
 
     robot: str
@@ -209,13 +213,12 @@ class PartPlace(Message):
 
     name: str
     held: str | None
-    """Output whose gripper holds the part; empty if the part is fixed to the flange; null if it isn't
-    held.
+    """Output of the gripper that holds the part. Empty: the part is fixed to the flange. Null: it isn't held.
     """
     sure: bool
     """False: the place isn't certain."""
     pose: tuple[tuple[float, ...], ...]
-    """Matrix (4, 4) base_from_part, lengths in m; flange_from_part if the part is held."""
+    """Matrix (4, 4) with lengths in m: flange_from_part if the part is held, otherwise base_from_part."""
 
 
 class Parts(Reply):
@@ -230,7 +233,9 @@ class Parts(Reply):
 
 
 class ModelJoint(Message):
-    """A joint, with its limits in `unit` (deg or mm) and per s. Null: it turns without limits."""
+    """A joint, with its limits in `unit` (deg or mm) and per s. `lower` and `upper` are null if the joint
+    turns without limits.
+    """
 
     name: str
     unit: str
@@ -250,8 +255,8 @@ class Model(Reply):
     name: str
     controller: str = ""
     urdf: str
-    """Text of the URDF, with meshes as URIs of files on this computer. Frames and mounted tools of robot.toml
-    are links on the flange. Joints that aren't axes of the robot are fixed at zero.
+    """Text of the URDF. Meshes are URIs of files on this computer. Frames and mounted tools of robot.toml are
+    links on the flange. Joints that the controller doesn't move are fixed at zero.
     """
     base: str
     flange: str
@@ -261,10 +266,10 @@ class Model(Reply):
 
 
 class SceneShape(Message):
-    """A shape around the origin of its pose, lengths in m. A `box` has its edge lengths as `size`. A
-    `cylinder`, and the straight piece of a `capsule`, are along z with their middle at the origin. A `mesh`
-    is the URI of a file on this computer, whose coordinates are multiplied by `scale`. A `half-space` is
-    everything on the positive side of the plane z = 0.
+    """A shape relative to its pose, lengths in m. `size` has the edge lengths of a `box`. A `cylinder`, and
+    the straight piece of a `capsule`, are along z with their middle at the origin. A `mesh` is the URI of a
+    file on this computer, whose coordinates are multiplied by `scale`. A `half-space` is everything on the
+    positive side of the plane z = 0.
     """
 
     type: Literal["box", "sphere", "cylinder", "capsule", "mesh", "half-space"]
@@ -281,15 +286,15 @@ class SceneItem(Message):
     name: str
     kind: Literal["body", "zone", "part"]
     rule: Literal["allowed", "forbidden", "slow", "posture"] | None
-    """Rule of a zone: stay inside, stay outside, be slow inside, or keep the joints in a window while
+    """Rule of a zone: stay inside, stay outside, be slow inside, or keep the joints within a range while
     inside.
     """
     speed: float | None
     """Speed of a slow zone [mm/s]."""
     sure: bool
-    """False: a part whose place isn't certain."""
+    """False if this is a part whose place isn't certain."""
     carried: bool
-    """True: the robot carries it."""
+    """True if the robot carries this body."""
     frame: str
     """Link of the URDF in which the pose is given: {B}, or {FLANGE} for carried bodies."""
     pose: tuple[tuple[float, ...], ...]
@@ -298,7 +303,9 @@ class SceneItem(Message):
 
 
 class Scene(Reply):
-    """Surroundings of the robot: the cell of the program that was run last, otherwise the session's."""
+    """Surroundings of the robot: the cell of the program that was run last, otherwise the cell of the
+    session.
+    """
 
     version: str
     """Value that changes when any other field changes."""
@@ -326,8 +333,8 @@ class Adopted(Reply):
 
 
 class Peak(Message):
-    """Largest used share of a limit (1 is the limit itself), and the joint or motor; empty if nothing
-    moves.
+    """The largest share of a limit that a motion uses (1 is the limit itself), and the name of the joint or
+    motor (empty if nothing moves).
     """
 
     name: str
@@ -335,12 +342,12 @@ class Peak(Message):
 
 
 class Peaks(Message):
-    """Largest used shares of the limits in a motion."""
+    """The largest shares of the limits that a motion uses."""
 
     velocity: Peak
     acceleration: Peak
     jerk: Peak | None
-    """Used share of the jerk limits; null if the program doesn't limit the jerk."""
+    """Largest share of the jerk limits; null if the program doesn't limit the jerk."""
     motor_velocity: Peak
 
 
@@ -352,8 +359,8 @@ class PathBound(Message):
 
 
 class ClearanceBound(Message):
-    """Proved smallest distance between bodies, and the names of the two bodies, if any come near each
-    other.
+    """Proved smallest distance between bodies, and the names of the two bodies (empty if no bodies come near
+    each other).
     """
 
     distance_mm: float
@@ -371,7 +378,8 @@ class MotionOffered(Message):
     branch: str
     peaks: Peaks
     path: PathBound | None
-    """Bound on the path; null for joint motions, which have no programmed path in space."""
+    """Bound on the deviation from the path; null for joint motions, which have no programmed path in space.
+    """
     clearance: ClearanceBound | None
 
 
@@ -383,9 +391,9 @@ class Course(Message):
 
 
 class Takes(Message):
-    """Duration of a program. The times are the known times of motions and dwells along the longest and the
-    shortest branches of each WHEN. `waits` are the numbers of commands that wait for an input or the
-    operator, along the branches with the most and the fewest such commands.
+    """Duration of a program. The times are those of motions and dwells, along the longest and the shortest
+    branches of each WHEN. `waits` has the number of commands that wait for an input or the operator, along
+    the branches with the most and with the fewest such commands.
     """
 
     duration_s: float
@@ -393,13 +401,13 @@ class Takes(Message):
     waits: int
     waits_at_least: int
     loops: bool = False
-    """True if the number of passes of a loop is known only at run time. Then the longest time counts each
-    loop once.
+    """True if the number of passes of a loop is known only at run time. `duration_s` contains one
+    pass of each such loop.
     """
 
 
 class OfferDescribed(Message):
-    """A planned and proved motion. `go` of the owner starts it."""
+    """A planned and proved motion. It begins when the owner sends `go`."""
 
     number: int
     text: str
@@ -426,7 +434,9 @@ class Offered(Reply):
 
 
 class ProgramCommand(Message):
-    """A motion of a program, and its time [s]. After branches, this is the latest possible time."""
+    """A motion of a program, and the times of its beginning and end [s]. If there are branches before the
+    motion, these are the latest possible times.
+    """
 
     title: str
     index: str
@@ -438,9 +448,9 @@ class ProgramCommand(Message):
 class ProgramDescribed(Message):
     """A program that can be run.
 
-    `duration_s` is the known time along the longest branches. `offset_s` is the time at which the run begins
-    in the program, and `rest_s` the duration from there. `steps` is the number of commands that are run one
-    by one; 0 if the program isn't run in this way.
+    `duration_s` is the time of motions and dwells along the longest branches. `offset_s` is the time of the
+    program at which the run begins, and `rest_s` the duration from there to the end. `steps` is the number of
+    commands that are run one by one; 0 if they aren't run one by one.
     """
 
     number: int
@@ -486,19 +496,19 @@ class Way(Reply):
     end: Joints
     findings: tuple[Finding, ...]
     zone: str
-    """Start zone of the cell in which the robot stands; there `run` moves to the start without a request.
-    Empty: it is in no start zone.
+    """Name of the start zone of the cell in which the robot stands; empty: it is in none. From a start zone,
+    `run` moves to the start without a request.
     """
 
 
 class Recovery(Reply):
-    """The proved motion from the robot's position to a program: to its start, or to the nearest place at
-    which it can begin.
+    """The proved motion from the robot's position to a program: to its start, or to the nearest position at
+    which the program can begin.
     """
 
     place: str | None
-    """Index of the command at which to begin afterwards; empty: the program's start. Null: no motion is
-    proved; `findings` are the reasons.
+    """Index of the command at which the program can begin after the motion; empty: the program's start. Null:
+    no motion is proved, and `findings` gives the reasons.
     """
     title: str
     """`the start`, or the command's index and name."""
@@ -506,17 +516,19 @@ class Recovery(Reply):
     offer: OfferDescribed | None
     """The motion, for `go`; null if the robot is already there, or if no motion is proved."""
     share: float
-    """Speed as a share of the joints' limits."""
+    """Speed of the motion as a share of the joints' speed limits."""
     assumed: tuple[str, ...]
-    """Parts whose places aren't confirmed: they are assumed as in the program at that place."""
+    """Parts whose places aren't confirmed. The proof assumes that they are where the program assumes them at
+    `place`.
+    """
     refused: tuple[Finding, ...]
-    """Reasons why the place isn't the program's start, if it isn't."""
+    """Reasons why the motion doesn't lead to the program's start; empty if it leads there."""
     findings: tuple[Finding, ...]
 
 
 class SourcePlace(Message):
     """Place of a command in its source. If the source isn't known, `note` is the reason. For a command in a
-    module, the line is that of the CALL, and `note` is the line of the module.
+    module, the line is that of the CALL, and `note` names the line in the module.
     """
 
     file: str
@@ -528,7 +540,7 @@ class SourcePlace(Message):
 
 
 class RestingPlace(Message):
-    """Command in which the robot rests on its path, and the time in the program [s]."""
+    """Command on whose path the robot rests, and the time in the program [s]."""
 
     title: str
     done_s: float
@@ -550,17 +562,19 @@ class Ended(Reply):
     """True if the robot was on its way to the program's start."""
     passes: int = 1
     where: SourcePlace | None = None
-    """Place of the command that has a fault."""
+    """Place of the command that failed, in its source file."""
     resting: RestingPlace | None = None
     """Place on the path at which the robot rests; null if it isn't on the path."""
     is_motion: bool = True
-    """True if the motion that was executed belongs to the program."""
+    """True if the command that was being executed is a motion of the program, false if it is another command,
+    such as a WAIT.
+    """
     go_on: str | None = None
     """Command with which to continue (--from); empty: the first command; null: not known."""
 
 
 class LogTold(Message):
-    """The log of the motions, and its error, if any. `lost`: nothing of the log is left."""
+    """The log of the motions, and its error, if any. `lost`: the whole log is lost."""
 
     path: str
     problem: str
@@ -569,7 +583,7 @@ class LogTold(Message):
 
 
 class Released(Reply):
-    """The robot was released; with the state of the log of its motions, if there was one."""
+    """The robot was released. `log` is the state of the log of its motions, if there was one."""
 
     log: LogTold | None
 
@@ -588,8 +602,8 @@ class Looked(Reply):
 
 
 class Serviced(Reply):
-    """Result of closing or opening loops. `what` has failed, empty if nothing has; `wrong` lists what still
-    prevents the robot from moving.
+    """Result of closing or opening the motors' control loops. `what` says what has failed, empty if nothing
+    has; `wrong` lists what still prevents the robot from moving.
     """
 
     what: str
@@ -611,8 +625,8 @@ class MotorSearch(Message):
 
 
 class HomeSearches(Reply):
-    """The home searches of all motors. They aren't proved, and zones and obstacles aren't monitored
-    meanwhile.
+    """The home searches of all motors. They aren't proved, and zones and obstacles aren't monitored during a
+    search.
     """
 
     searches: tuple[MotorSearch, ...]
@@ -642,8 +656,8 @@ class SettingsCompared(Reply):
 
 
 class SettingsSent(Reply):
-    """Number of settings lines that the controller has accepted, and of all lines; the reason for an early
-    end, empty if there was none; and the checks that fail now.
+    """Result of sending the settings: the number of lines that the controller has accepted, and of all lines;
+    the reason for an early end (empty if there was none); and the checks that fail now.
     """
 
     sent: int
@@ -658,6 +672,6 @@ class Wanted(Reply):
 
     lag_s: float
     behind: Joints | None
-    """Distance of each joint from its master at the end of the streamed lines [deg or mm]."""
+    """Distance of each joint from the master at the end of the streamed lines [deg or mm]."""
     why: str
-    """Obstacle on the way to the target; empty: none."""
+    """Reason why the robot doesn't follow the target; empty if it does."""

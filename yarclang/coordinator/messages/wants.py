@@ -1,5 +1,5 @@
-"""Targets of a live motion, which are sent again and again. The key of an object determines its kind. The
-first target begins the motion.
+"""Targets of a live motion, which are sent again and again. The kind of a target is determined by the key of
+its JSON object. The first target begins the motion.
 """
 
 from __future__ import annotations
@@ -18,16 +18,16 @@ class BeThere(Order[replies.Wanted]):
 
     key: ClassVar[str] = "joints"
     joints: Annotated[
-        tuple[Number, ...], Field(max_length=64, description="a list of finite numbers, one a joint")
+        tuple[Number, ...], Field(max_length=64, description="a list of finite numbers, one per joint")
     ]
     rate: Annotated[
-        tuple[Number, ...] | None, Field(max_length=64, description="a list of finite numbers, one a joint")
+        tuple[Number, ...] | None, Field(max_length=64, description="a list of finite numbers, one per joint")
     ] = None
 
 
 class HoldPose(Order[replies.Wanted]):
-    """Follow this pose of the tool in {B}: x y z [mm], roll pitch yaw [deg]. Of several joint solutions, the
-    one nearest to the previous pose is taken.
+    """Follow this pose of the tool in {B}: x y z [mm], roll pitch yaw [deg]. If several joint positions reach
+    the pose, the one nearest to the previous pose's is used.
     """
 
     key: ClassVar[str] = "pose"

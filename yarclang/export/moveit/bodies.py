@@ -1,4 +1,6 @@
-"""Frames and mounted tools of robot.toml as links of a URDF. The robot's own URDF doesn't have them."""
+"""Describe the frames and mounted tools of robot.toml as links of a URDF, since the robot's URDF doesn't
+contain them.
+"""
 
 from __future__ import annotations
 
@@ -27,8 +29,8 @@ class Bodies:
         return *self.frames, *self.tools
 
     def link_of(self, body: str) -> str:
-        """Return the name of the URDF link that represents a body of the robot: the additional link for a
-        tool, or the body's own name.
+        """Return the name of the URDF link that represents a body of the robot. For a tool, this is the
+        additional link; for a link, it is the link itself.
         """
         return next((link for link, tool in self.tools.items() if tool.name == body), body)
 

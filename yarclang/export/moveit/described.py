@@ -1,5 +1,5 @@
-"""The URDF of a robot for ROS programs on the same computer as the robot's files: it refers to the meshes by
-the paths of their files.
+"""Write the URDF of a robot for ROS programs on the computer that has the robot's files. The URDF refers to
+the meshes by the paths of their files.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from yarclang.robot.model import Robot
 
 @frozen
 class Described:
-    """A robot's URDF, for programs on the same computer: it refers to the meshes by local paths.
+    """A robot's URDF for programs on the same computer. It refers to the meshes by local paths.
 
     Attributes:
         urdf: the text.
         base: name of the link that is the frame {B}.
         flange: name of the link that is the frame {FLANGE}.
-        tool: name of the link that is the frame {TCP}; that of the flange for a robot without a {TCP}.
+        tool: name of the link that is the frame {TCP}; for a robot without a {TCP}, the flange's link.
     """
 
     urdf: str
@@ -49,6 +49,6 @@ def described(robot: Robot) -> Result[Described]:
     text = urdf_text(urdf, flange, bodies, meshes, frozenset(robot.joint_names))
     tcp = robot.flange_from_frame.get("TCP")
     tool = next((link for link, pose in bodies.frames.items() if pose is tcp), flange)
-    help_ = "put it where the URDF names it; the robot is described without it"
+    help_ = "put the file where the URDF expects it; the robot is exported without it"
     findings = tuple(replace(one, help=help_) for one in dict.fromkeys(meshes.findings))
     return Result(Described(text, base, flange, tool), findings)

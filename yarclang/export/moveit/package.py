@@ -1,4 +1,4 @@
-"""A robot as a ROS package with MoveIt's configuration: all its files as bytes."""
+"""Make a ROS package with the MoveIt configuration of a robot: all its files, as bytes."""
 
 from __future__ import annotations
 
@@ -55,18 +55,18 @@ def _names(robot: Robot) -> list[Diagnostic]:
     found = []
     for what, name in (("robot", robot.name), *(("joint", name) for name in robot.joint_names)):
         if not _NAME.fullmatch(name):
-            message = f"the {what} is called {name[:60]}, which ROS doesn't take as a name of parameters"
+            message = f"the name of the {what}, {name[:60]}, isn't allowed for ROS parameters"
             where = "robot.toml" if what == "robot" else "the URDF and robot.toml"
-            help_ = f"rename it in {where}: a letter, then letters, digits and _"
+            help_ = f"rename it in {where}, with a letter first, then letters, digits and _"
             found.append(Diagnostic("Y1534", message, help=help_))
     return found
 
 
 def urdf_of(robot: Robot) -> tuple[Urdf, str, str] | Diagnostic:
-    """Return the URDF of a robot, and the names of its links {B} and {FLANGE}; a finding if the robot's files
-    have changed.
+    """Return the URDF of a robot, and the names of its links {B} and {FLANGE}. If the robot's files have
+    changed since the robot was read from them, return a finding instead.
     """
-    table = read_text(robot.folder / "robot.toml", "Name a folder with a robot.toml.")
+    table = read_text(robot.file, "Name a folder with a robot.toml.")
     if isinstance(table, Diagnostic):
         return table
     said = parse_toml(table)
@@ -79,7 +79,7 @@ def urdf_of(robot: Robot) -> tuple[Urdf, str, str] | Diagnostic:
     ends = str(said.get("base")), str(said.get("flange"))
     if not urdf.sound or urdf.root is None or not {*ends} <= {*urdf.links}:
         message = f"{robot.urdf} has changed since {robot.name} was read"
-        return Diagnostic("Y1302", message, help="export it again; yarc robot check looks at its files")
+        return Diagnostic("Y1302", message, help="export it again; yarc robot check checks its files")
     return urdf, *ends
 
 
@@ -138,7 +138,7 @@ def check_motors(robot: Robot) -> Iterator[Diagnostic]:
             "limits, which MoveIt can't know"
         )
         help_ = (
-            f"let MoveIt plan at most at {share:.0f} % (max_velocity_scaling_factor), or let yarc "
-            f"refuse what is too fast"
+            f"limit MoveIt to {share:.0f} % (max_velocity_scaling_factor), or let yarc refuse motions that "
+            "are too fast"
         )
         yield Diagnostic("Y1535", message, help=help_)

@@ -12,14 +12,14 @@ from yarclang.robot.model import Robot
 
 HEAD = "# Written by yarc export for MoveIt."
 ACTION_1 = "joint_trajectory_action"
-"""Action of ROS-Industrial's drivers."""
+"""Name of the action that ROS-Industrial's drivers provide."""
 CONTROLLER_2, ACTION_2 = "joint_trajectory_controller", "follow_joint_trajectory"
 
 VELOCITY_SHARE, ACCELERATION_SHARE = 0.9, 0.6
-"""Shares of the limits for MoveIt's plans.
+"""Limits of velocity and acceleration for MoveIt's plans, as fractions of the robot's limits.
 
-The accelerations of these plans jump. A smooth motion through their points needs up to 1.4 times as much
-acceleration.
+The accelerations in MoveIt's plans jump. A smooth motion through the points of a plan needs up to 1.4 times
+the plan's acceleration.
 """
 
 
@@ -65,7 +65,7 @@ def _kinematics(robot: Robot) -> str:
         "  kinematics_solver_search_resolution: 0.005",
         "  kinematics_solver_timeout: 0.05",
     ]
-    # With fewer than six joints, not every pose has a solution.
+    # With fewer than six joints, not every pose has a solution, so the solver ignores the orientation.
     return "\n".join([*lines, *["  position_only_ik: true"] * (robot.size < 6)]) + "\n"
 
 

@@ -1,5 +1,5 @@
-"""The SRDF of a MoveIt configuration: planning group, end effector, named states, and the pairs of links that
-MoveIt must not check for collisions.
+"""Write the SRDF of a MoveIt configuration: planning group, end effector, named states, and the pairs of
+links that MoveIt doesn't check for collisions.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
-"""The URDF of a robot for ROS: its text in version 1.0, with the meshes' names changed to names in a ROS
-package, and with additional links.
+"""Write the URDF of a robot for ROS. The text has version 1.0 of the format, additional links, and the names
+that the meshes have in a ROS package.
 
 The additional links are those of the frames and mounted tools of robot.toml.
 """
@@ -27,12 +27,12 @@ from yarclang.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
 from yarclang.transforms import roll_pitch_yaw
 
 Edit = tuple[int, int, str]
-"""Start and end of the replaced text, and the new text."""
+"""A change of a text: start and end of the replaced part, and the new text."""
 
 FOLDER = "urdf"
 _PLAIN = re.compile(r"[A-Za-z0-9_.\-/]+", re.ASCII)
 _GREY = '<material name="yarclang_grey"><color rgba="0.8 0.82 0.85 1"/></material>'
-"""Material of added bodies. RViz draws bodies without a material in red."""
+"""Material of added bodies. It is needed because RViz draws bodies without a material in red."""
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 _ENCODING = re.compile(r"""^(\s*<\?xml[^>]*?\sencoding\s*=\s*)(["']).*?\2""", re.DOTALL)
 _FILENAME = re.compile(r"""(\sfilename\s*=\s*)(["'])(.*?)\2""", re.DOTALL)
@@ -41,8 +41,8 @@ _FILENAME = re.compile(r"""(\sfilename\s*=\s*)(["'])(.*?)\2""", re.DOTALL)
 def exported_urdf(
     robot: Robot, urdf: Urdf, package: str, ends: tuple[str, str], bodies: Bodies
 ) -> Result[dict[str, bytes]]:
-    """Return a robot's URDF for a ROS package and its mesh files, by their paths in the package, with a
-    finding for each unreadable mesh.
+    """Return the files of a robot's URDF and of its meshes, by their paths in a ROS package, with a finding
+    for each mesh that can't be read.
 
     Args:
         robot: the robot.
@@ -68,9 +68,9 @@ def urdf_text(
         flange: the link {FLANGE}.
         bodies: additional links on the flange.
         meshes: object that gives each mesh its new name, and collects findings about missing meshes.
-        axes: the moving joints, for a text that is only drawn. All other joints are then fixed at zero, as in
-            the robot, and links without visual shapes get their collision shapes. None to keep joints and
-            links as they are.
+        axes: names of the robot's own moving joints, for a text that is only drawn. All other joints are then
+            fixed at zero, and links without visual shapes get their collision shapes as visual shapes. None
+            to keep joints and links as they are.
     """
     text, root = urdf.text, urdf.root
     assert root is not None  # a sound URDF has a root
@@ -97,8 +97,8 @@ def _fixed(text: str, joint: Element) -> Edit:
 
 
 def _version(text: str, root: Element) -> Edit:
-    """Return the edit that changes the root element's version to 1.0, which all versions of ROS read.
-    Elements that only later versions have are replaced elsewhere.
+    """Return the edit that changes the root element's version to 1.0, which all versions of ROS read. The
+    edit doesn't replace the elements that only later versions have.
     """
     tag = text[root.start : root.end]
     return root.start, root.end, re.sub(r"""(\sversion\s*=\s*)(["']).*?\2""", r'\1"1.0"', tag)
@@ -124,7 +124,8 @@ def _seen(urdf: Urdf, link: Element, meshes: MeshNames) -> Edit:
 def _body(urdf: Urdf, body: Element, meshes: MeshNames) -> Iterator[Edit]:
     """Yield the edits of a <visual> or <collision> element.
 
-    The name of a mesh is replaced. A capsule, which version 1.0 doesn't have, becomes three bodies.
+    The name of a mesh is replaced. A capsule becomes three bodies, because version 1.0 of the format has no
+    capsules.
     """
     geometry = body.first("geometry")
     shape = geometry.children[0] if geometry is not None and geometry.children else None
@@ -177,8 +178,8 @@ class MeshNames(ABC):
         self.robot = robot
 
     def url(self, filename: str) -> str | None:
-        """Return the new name of a mesh that the URDF calls `name`; None, with a finding, if its file doesn't
-        exist.
+        """Return the new name of a mesh that the URDF calls `filename`; None, with a finding, if its file
+        doesn't exist.
         """
         path = mesh_path(filename, (self.robot.folder / self.robot.urdf).parent)
         if path is None:
@@ -235,8 +236,9 @@ class PackageMeshes(MeshNames):
         return f"package://{self._package}/{self._places[path]}"
 
     def _place(self, path: Path) -> str:
-        """Return a path of a file in the package that no other file has: its path in the robot's folder, if
-        the file is there and that path has only plain characters.
+        """Return a path in the package for a mesh file. The path differs from the paths of all other files.
+        If the mesh file is in the robot's folder, its path there is kept, provided that it has only plain
+        characters.
         """
         folder = self.robot.folder.resolve()
         stem = re.sub(r"[^A-Za-z0-9_]", "_", path.stem, flags=re.ASCII) or "mesh"

@@ -1,4 +1,4 @@
-"""Writer of trajectories as a bag of ROS 1."""
+"""Write trajectories as a bag of ROS 1."""
 
 from __future__ import annotations
 
@@ -19,8 +19,9 @@ ABOUT, BETWEEN = "/yarc/about", "/yarc/between"
 def write_bag(path: Path, made: Exported) -> None:
     """Write trajectories as a bag of ROS 1.
 
-    The topic `TOPIC` has the trajectories. Their time stamps assume that waits between them take no time. The
-    topics `ABOUT` (origin and proof of the trajectories) and `BETWEEN` (events between them) have JSON texts.
+    The topic `TOPIC` has the trajectories. Their time stamps assume that waits between the trajectories take
+    no time. The topics `ABOUT` (origin and proof of the trajectories) and `BETWEEN` (events between them)
+    have JSON texts.
 
     Args:
         path: a file that doesn't exist yet.
@@ -87,8 +88,8 @@ def write_bag(path: Path, made: Exported) -> None:
 
 
 def _stamp(time: float) -> int:
-    """Return the time stamp [ns] in the bag for a time [s] since the start of the program.
+    """Return the time stamp [ns] in the bag for `time` [s] after the start of the program.
 
-    The start is at 1 s, because 0 means "not known" in ROS.
+    The start has the time stamp 1 s, because the time stamp 0 means "not known" in ROS.
     """
     return SECOND + round(time * SECOND)

@@ -1,7 +1,7 @@
-"""The motion of a certified controller text: intervals of motion without a stop (stretches), and the events
-between them.
+"""Build the motion of a certified controller text: intervals of motion without a stop (stretches), and the
+events between and during them.
 
-It is built from the text as the judge, the independent checker, has read it.
+The source is the content of the text as read by the judge, the independent checker.
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ class Between:
         kind: its kind.
         place: title of the command to which the event belongs.
         what: the event, in words.
-        before: number of stretches (intervals of motion without a stop) that end before it.
-        time: time after the start of stretch `before` (counted from 0), if it happens during this motion [s];
-            None if it happens while the robot is at rest.
+        before: number of stretches (intervals of motion without a stop) that end before the event.
+        time: for an event during a motion, the time since the start of this motion's stretch [s]; None if the
+            event happens while the robot is at rest.
     """
 
     kind: Kind
@@ -59,10 +59,10 @@ class Path:
 
     Attributes:
         stretch: (S,) index of the stretch of each piece.
-        begin: (S,) start of each piece after the start of its stretch [s].
-        x: (S, n) position at the start [rad or m].
-        v: (S, n) velocity at the start [rad/s or m/s].
-        a: (S, n) acceleration at the start [rad/s^2 or m/s^2].
+        begin: (S,) time from the start of the stretch to the start of the piece [s].
+        x: (S, n) position at the start of the piece [rad or m].
+        v: (S, n) velocity at the start of the piece [rad/s or m/s].
+        a: (S, n) acceleration at the start of the piece [rad/s^2 or m/s^2].
         jerk: (S, n) constant jerk of the piece [rad/s^3 or m/s^3].
     """
 
@@ -83,7 +83,7 @@ class Path:
 
         Args:
             piece: (N,) indices of the pieces.
-            offset: (N,) times after their starts [s].
+            offset: (N,) times since the starts of these pieces [s].
         """
         t = offset[:, None]
         x, v, a, jerk = (one[piece] for one in (self.x, self.v, self.a, self.jerk))
@@ -114,10 +114,10 @@ def course_of(content: ControllerText, mapped: LineMap, robot: Robot, names: Map
     """Return the motion and the events of a certified controller text.
 
     Args:
-        content: the text as the judge reads it.
+        content: the content of the text, as read by the judge.
         mapped: the lines of the text, with the commands to which they belong.
         robot: the robot of the program.
-        names: the program's names of the controller's variables.
+        names: the names that the program has for the controller's variables.
     """
     making = _Making(
         mapped,
@@ -149,7 +149,8 @@ class _Making:
         self._starts: list[float] = []
         self._open = False
         self._clock = 0.0
-        # for each sequence: control points, segment time, stretch, start in the stretch
+        # These lists have an item for each sequence of move lines: its control points, its segment time, the
+        # index of its stretch, and the time from the start of the stretch to the start of the sequence.
         self._control: list[Array] = []
         self._segment: list[float] = []
         self._stretch: list[int] = []

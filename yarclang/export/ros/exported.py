@@ -1,4 +1,4 @@
-"""Conversion of a certified program to trajectories, by the modules of this folder."""
+"""Convert a certified program to trajectories, with the modules of this folder."""
 
 from __future__ import annotations
 
@@ -22,11 +22,15 @@ from yarclang.progress import tell
 from yarclang.robot.model import Array, Robot
 
 _LISTED = 5
-"""Number of events between trajectories that the warning lists. The file has all of them."""
+"""Largest number of events that the warning about events between trajectories lists. The exported file has
+all events.
+"""
 
 
 _SHARES = 1.0, 0.98, 0.9, 0.5
-"""Shares of the tolerance with which way-points are chosen. The next share is tried if the proof fails."""
+"""Fractions of the tolerance. Waypoints are chosen with the first fraction; if the proof then fails, they
+are chosen with the next fraction.
+"""
 
 
 @frozen(eq=False)
@@ -34,8 +38,8 @@ class Wishes:
     """Options of the export of trajectories.
 
     Attributes:
-        tolerance: tolerance of each joint [rad or m].
-        straight: True if straight lines between way-points must also keep the tolerance.
+        tolerance: largest deviation of each joint from the executed path [rad or m].
+        straight: True if straight lines between waypoints must also keep the tolerance.
     """
 
     tolerance: float
@@ -43,9 +47,10 @@ class Wishes:
 
     @property
     def kinds(self) -> tuple[Interpolation, ...]:
-        """The interpolations between way-points with which a driver must keep the tolerance.
+        """The kinds of interpolation between waypoints that drivers may use. With each kind, the deviation
+        stays within the tolerance.
 
-        ros_control uses quintics, because the way-points have accelerations.
+        ros_control uses quintics, because the waypoints have accelerations.
         """
         return ("linear", "cubic", "quintic") if self.straight else ("cubic", "quintic")
 
@@ -60,7 +65,7 @@ class Exported:
         seal: SHA-256 of the controller text.
         robot: the robot of the program.
         wishes: the options.
-        points: way-points of all trajectories, one after the other.
+        points: waypoints of all trajectories, one after the other.
         starts: time at which each trajectory begins if waits take no time [s].
         placed: events between and during the trajectories, by the number of trajectories that end before the
             event.
@@ -89,7 +94,7 @@ class Exported:
         return max((float(one.max()) for one in self.proved.values()), default=0.0)
 
     def trajectory(self, number: int) -> Points:
-        """Return the way-points of a trajectory, by its number from 0."""
+        """Return the waypoints of a trajectory, by its number from 0."""
         first, last = np.searchsorted(self.points.stretch, [number, number + 1])
         return self.points.take(np.arange(first, last))
 
@@ -132,7 +137,7 @@ def exported(compiled: Compiled, wishes: Wishes) -> Result[Exported]:
         if max(float(one.max()) for one in proved.values()) <= wishes.tolerance:
             break
     else:
-        raise AssertionError(f"no way-points were found that are within {wishes.tolerance:g} of the path")
+        raise AssertionError(f"no waypoints were found that are within {wishes.tolerance:g} of the path")
     made = Exported(
         content.header.source,
         content.header.program_fingerprint,
@@ -148,13 +153,13 @@ def exported(compiled: Compiled, wishes: Wishes) -> Result[Exported]:
 
 
 def _placed(between: tuple[Between, ...]) -> dict[int, tuple[Between, ...]]:
-    """Return the events by the number of trajectories that end before them."""
+    """Return the events, grouped by the number of trajectories that end before the event."""
     return {number: tuple(few) for number, few in groupby(between, lambda one: one.before)}
 
 
 def _watched(program: Program) -> list[Diagnostic]:
-    """Return warnings about functions of the program that a driver doesn't have: inputs that should end or
-    hold a motion, and frames that are shifted while the program runs.
+    """Return warnings about features of the program that a trajectory doesn't have: inputs that end or hold a
+    motion, and frames that are shifted while the program runs.
     """
     told = []
     for frame in dict.fromkeys(one.frame for one in offsets_of(program)):

@@ -1,10 +1,10 @@
-"""The polynomials by which drivers interpolate between way-points, and a bound on the difference of two
-polynomials.
+"""Compute the polynomials with which drivers interpolate between waypoints, and bound the values of
+polynomials, such as the difference between an interpolation and the executed path.
 
-The joint_trajectory_controller of ros_control joins way-points by straight lines if they have only positions,
+The joint_trajectory_controller of ros_control joins waypoints by straight lines if they have only positions,
 by cubics if they also have velocities, and by quintics if they also have accelerations (ros_controllers and
 ros2_controllers, `sampleSplineWithTimeBounds` and `interpolate_between_points`). All these polynomials have
-degree 5 or less, and so has their difference from the executed cubic.
+degree 5 or less. Their differences from the executed cubic polynomial therefore also have degree 5 or less.
 """
 
 from __future__ import annotations
@@ -19,20 +19,20 @@ from yarclang.robot.model import Array
 Interpolation = Literal["linear", "cubic", "quintic"]
 
 State = tuple[Array, Array, Array]
-"""Position, velocity and acceleration (N, n)."""
+"""Positions, velocities and accelerations, (N, n) each."""
 
 
 def coefficients(kind: Interpolation, first: State, second: State, length: Array) -> Array:
-    """Return the coefficients of the polynomials that interpolate between pairs of way-points.
+    """Return the coefficients of the polynomials that interpolate between pairs of waypoints.
 
     Args:
         kind: kind of the interpolation.
-        first: way-points at the starts of the polynomials.
-        second: way-points at their ends.
-        length: (N,) time between the way-points [s].
+        first: waypoints at the starts of the polynomials.
+        second: waypoints at their ends.
+        length: (N,) time between the waypoints [s].
 
     Returns:
-        (6, N, n) coefficients of the powers of the time since the first way-point [s].
+        (6, N, n) coefficients of the powers of the time since the first waypoint [s].
     """
     t = length[:, None]
     (x0, v0, a0), (x1, v1, a1) = first, second
@@ -78,8 +78,8 @@ def largest(first: State, second: State, length: Array, halvings: int) -> Array:
     """Bound the absolute values of polynomials of degree 5 or less on intervals.
 
     Such a polynomial is given by its value and two derivatives at both ends, and is within the convex hull of
-    its Bernstein coefficients. Each halving of an interval reduces the distance of the hull from the
-    polynomial to a quarter.
+    its Bernstein coefficients. When an interval is halved, the distance of the hull from the polynomial
+    falls to about a quarter.
 
     Args:
         first: values and derivatives at the starts (N, n).

@@ -1,7 +1,7 @@
-"""Prove that a driver that interpolates between way-points stays near the executed path.
+"""Prove that a driver that interpolates between waypoints stays near the executed path.
 
-The proof uses the way-points as the exported file has them, and the path as the judge (the independent
-checker) has read it. It doesn't depend on how the way-points were chosen.
+The proof uses the rounded waypoints of the exported file, and the path that the judge (the independent
+checker) has read. It doesn't depend on how the waypoints were chosen.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ _ROWS = 50_000
 
 
 def deviation(path: Path, points: Points, kind: Interpolation) -> Array:
-    """Return an upper bound on the distance between the executed path and the interpolation of way-points, at
+    """Return an upper bound on the distance between the executed path and the interpolation of waypoints, at
     equal times.
 
-    The times of the way-points and the knots of the path divide the motion into intervals. On each interval,
+    The times of the waypoints and the knots of the path divide the motion into intervals. On each interval,
     interpolation and path are polynomials. Their difference is then a polynomial, too, and its Bernstein
     coefficients bound it.
 
     Args:
         path: the executed path.
-        points: way-points of all stretches of the path (intervals of motion without a stop), at least two for
+        points: waypoints of all stretches of the path (intervals of motion without a stop), at least two for
             each.
         kind: kind of the interpolation.
 
@@ -48,7 +48,8 @@ def deviation(path: Path, points: Points, kind: Interpolation) -> Array:
     for begin in range(0, len(inside), _ROWS):
         few = slice(begin, begin + _ROWS)
         rows, own, here = inside[few], piece[few], point[few]
-        # The last interval leads to the rest after the last knot, and ends within a nanosecond of it.
+        # At the last waypoint of a stretch no interpolation begins, so use the one that ends there. The
+        # difference is at rest, and lasts at most a nanosecond.
         here = np.where(np.append(np.diff(points.stretch) > 0, True)[here], here - 1, here)
         ends = tuple((points.x[k], points.v[k], points.a[k]) for k in (here, here + 1))
         powers = coefficients(kind, ends[0], ends[1], time[here + 1] - time[here])
@@ -60,7 +61,8 @@ def deviation(path: Path, points: Points, kind: Interpolation) -> Array:
         first, second = differences
         length = at[rows + 1] - at[rows]
         found = largest(first, second, length, 1)
-        # Differences at ends are lower bounds of the result: refine only intervals that may exceed them.
+        # The largest difference at the ends of intervals is a lower bound on the result: refine only
+        # intervals whose bound exceeds it.
         np.maximum(worst, np.abs(first[0]).max(axis=0), out=worst)
         close = (found > worst).any(axis=1)
         if close.any():

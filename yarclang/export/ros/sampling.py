@@ -1,5 +1,5 @@
-"""Choose way-points on a path: as few as possible with which every kind of interpolation keeps a
-tolerance.
+"""Choose few waypoints on a path, such that every kind of interpolation between them stays within a
+tolerance of the path.
 """
 
 from __future__ import annotations
@@ -16,21 +16,21 @@ from yarclang.robot.model import Array
 NS = 1e-9
 """One nanosecond [s], the unit of times in ROS."""
 DECIMALS = 10, 9, 8
-"""Decimals of positions, velocities and accelerations."""
+"""Numbers of decimals of positions, velocities and accelerations."""
 _RESERVE = 1e-3
-"""Share of the tolerance that is kept as a reserve.
+"""Fraction of the tolerance that the choice of waypoints doesn't use.
 
-The proof divides the motion at other times than the choice of way-points does, which gives other hulls.
-Candidates are at multiples of a nanosecond, but knots aren't.
+The proof divides the motion at the path's knots; the choice divides it at the nearest multiples of a
+nanosecond. The bounds that both compute therefore differ slightly.
 """
 _FINER = 3.0
-"""For straight lines, the approximate ratio of the longest interval that the tolerance allows to an interval
-between candidates.
-"""
+"""Approximate number of candidates for straight lines in the longest interval that the tolerance allows."""
 _UNITS = 8
-"""Number of parts into which the intervals of the first choice are divided for the second one."""
+"""The second choice of waypoints divides each interval of the first choice into this number of parts, and
+takes the ends of parts as candidates.
+"""
 _ROWS = 3_000
-"""Number of pieces that are examined at once, which bounds memory."""
+"""Number of pieces that are examined at once. It limits the memory that is needed."""
 
 Rows = NDArray[np.intp]
 Mask = NDArray[np.bool_]
@@ -38,7 +38,7 @@ Mask = NDArray[np.bool_]
 
 @frozen(eq=False)
 class Points:
-    """Way-points of all stretches of a path (intervals of motion without a stop), in order.
+    """Waypoints of all stretches of a path (intervals of motion without a stop), in order.
 
     Attributes:
         stretch: (N,) index of the stretch.
@@ -60,16 +60,16 @@ class Points:
 
 
 def sampled(path: Path, tolerance: float, kinds: tuple[Interpolation, ...]) -> Points:
-    """Choose few way-points on a path such that several kinds of interpolation between them stay within a
+    """Choose few waypoints on a path such that several kinds of interpolation between them stay within a
     tolerance of the path.
 
-    The intervals between neighbouring way-points are joined as long as the joined interval keeps the
-    tolerance. Then the longest allowed step from each remaining way-point is found, and the final way-points
-    follow these steps.
+    First, neighbouring intervals between candidates are joined as long as the joined interval keeps the
+    tolerance. The remaining intervals are divided into parts. From each end of a part, the longest step that
+    keeps the tolerance is found. The waypoints are reached by these steps from the start of each stretch.
 
     Args:
         path: the executed path.
-        tolerance: tolerance of each joint, at equal times [rad or m].
+        tolerance: largest deviation of each joint from the path, at equal times [rad or m].
         kinds: the kinds of interpolation.
     """
     candidates = _candidates(path, tolerance, "linear" in kinds)
@@ -81,7 +81,7 @@ def sampled(path: Path, tolerance: float, kinds: tuple[Interpolation, ...]) -> P
 
 
 def _candidates(path: Path, tolerance: float, straight: bool) -> Points:
-    """Return candidates for way-points: the knots of the path and, for straight lines, also points between
+    """Return candidates for waypoints: the knots of the path and, for straight lines, also points between
     the knots.
     """
     count = len(path.begin)
@@ -106,8 +106,8 @@ def _candidates(path: Path, tolerance: float, straight: bool) -> Points:
 
 
 class _Fits:
-    """Checker of intervals between candidates for way-points: whether all kinds of interpolation keep the
-    tolerance.
+    """Checker that tests whether all kinds of interpolation keep the tolerance on intervals between
+    candidates for waypoints.
     """
 
     def __init__(self, points: Points, tolerance: float, kinds: tuple[Interpolation, ...]) -> None:
@@ -154,7 +154,7 @@ class _Fits:
 
 
 def _joined(fits: _Fits) -> Rows:
-    """Return a selection of the candidates for way-points such that no two neighbouring intervals of a
+    """Return a selection of the candidates for waypoints such that no two neighbouring intervals of a
     stretch can be joined within the tolerance.
 
     The selection has at most about twice as many candidates as necessary.
@@ -169,7 +169,7 @@ def _joined(fits: _Fits) -> Rows:
     while going:
         going = False
         for parity in (1, 2):
-            tell("choosing way-points", count - len(chosen), count)
+            tell("choosing waypoints", count - len(chosen), count)
             middle = np.arange(parity, len(chosen) - 1, 2)
             left, here, right = chosen[middle - 1], chosen[middle], chosen[middle + 1]
             open_ = ~fixed[here] & ((tried[here, 0] != left) | (tried[here, 1] != right))
@@ -182,24 +182,26 @@ def _joined(fits: _Fits) -> Rows:
 
 
 def _stepped(fits: _Fits, chosen: Rows) -> Rows:
-    """Return the candidates at the ends of the longest steps that keep the tolerance. Steps end at parts of
-    the intervals that were chosen first.
+    """Return the candidates that are reached from the start of each stretch by the longest steps that keep
+    the tolerance. The intervals between the `chosen` candidates are divided into parts, and steps end only at
+    ends of parts.
     """
     stretch = fits.points.stretch
     places = _parts(chosen, np.minimum(np.diff(chosen), _UNITS))
     within = np.flatnonzero(stretch[places[:-1]] == stretch[places[1:]])
     unfit = within[~fits(places[within], places[within + 1])]
-    if unfit.size:  # rare: a part of a sound interval is nearly always sound
+    if unfit.size:  # rare: if an interval keeps the tolerance, its parts nearly always do
         parts = np.ones(len(places) - 1, dtype=np.intp)
         parts[unfit] = np.diff(places)[unfit]
         places = _parts(places, parts)
     of = stretch[places]
     last = np.searchsorted(of, of, side="right") - 1
     most = np.minimum(last - np.arange(len(places)), 4 * _UNITS)
-    # Steps of `low` parts are sound; steps of more than `high` parts aren't tried.
+    # Binary search: steps of `low` parts keep the tolerance; steps of more than `high` parts don't, or aren't
+    # tried.
     low, high = np.minimum(most, 1), most.copy()
     while (open_ := np.flatnonzero(low < high)).size:
-        tell("choosing way-points", int(np.count_nonzero(low >= high)), len(places))
+        tell("choosing waypoints", int(np.count_nonzero(low >= high)), len(places))
         middle = (low[open_] + high[open_] + 1) // 2
         sound = fits(places[open_], places[open_ + middle])
         low[open_[sound]] = middle[sound]
@@ -214,8 +216,8 @@ def _stepped(fits: _Fits, chosen: Rows) -> Rows:
 
 
 def _parts(places: Rows, parts: Rows) -> Rows:
-    """Return the given candidates, and between them the candidates that divide each interval into a number
-    of parts.
+    """Return the given candidates, and further candidates between them, which divide each interval into the
+    wanted number of parts.
     """
     which = np.repeat(np.arange(len(parts)), parts)
     own = np.arange(len(which)) - np.repeat(np.cumsum(parts) - parts, parts)

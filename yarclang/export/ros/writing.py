@@ -1,4 +1,4 @@
-"""Trajectories as YAML and JSON text."""
+"""Write trajectories as YAML and JSON text."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from yarclang.progress import go_on
 Version = Literal[1, 2]
 
 SECOND = 1_000_000_000
-"""One second [ns]."""
+"""Number of nanoseconds in a second."""
 
 
 def yaml_text(made: Exported, version: Version) -> str:
@@ -102,7 +102,7 @@ def about(made: Exported) -> Iterator[str]:
 
 
 def message(made: Exported, points: Points, version: Version) -> dict[str, Any]:
-    """Return way-points as the fields of a JointTrajectory."""
+    """Return waypoints as the fields of a JointTrajectory."""
     whole, part = _TIME[version]
     stamp = {whole: 0, part: 0}
     header: dict[str, Any] = {"seq": 0} if version == 1 else {}

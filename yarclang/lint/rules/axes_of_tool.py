@@ -14,8 +14,8 @@ from yarclang.motion.plan import MotionPlan, PlannedMotion
 from yarclang.units import DEG
 
 TILTED = 10.0 * DEG
-"""Smallest angle between the axes of tool and base for a remark [rad]. Below it, motions along both are
-nearly equal.
+"""If an axis of the tool differs from that of the base by less than this angle [rad], there is no remark:
+motions along both are nearly equal.
 """
 
 _ALONG = 2.0 * DEG
@@ -44,15 +44,15 @@ def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
             letter = "xyz"[axis]
             base = step.origin.base.name if step.origin.base else "B"
             message = (
-                f"this goes along {letter} of {{{base}}}, {off / DEG:.0f} deg off the tool's own {letter}, "
-                "along which the tool came here"
+                f"this DMOVE goes along {letter} of {{{base}}}, {off / DEG:.0f} deg off the {letter} axis "
+                "of the tool, along which the tool came here"
             )
             name = step.origin.moving.name if step.origin.moving else "TCP"
             yield remark_at(
                 step.origin,
                 message,
-                f"write {{{name}}} at the end of the line to go along the tool, or {{{base}}} to confirm "
-                "that this is intended",
+                f"write {{{name}}} at the end of the line to move along the tool's axes, or {{{base}}} to "
+                "confirm the present ones",
             )
 
 
@@ -83,10 +83,10 @@ RULE = Rule(
         "Y0308",
         "axes-of-the-tool",
         "warning",
-        "a DMOVE goes along the base's axes after the tool came along its own",
-        "If a tool went into a hole along its own axis, it must come out along this axis. A DMOVE "
-        "without a base frame takes the base frame of DEFAULT. If the tool is tilted, this is another "
-        "direction, and the tool is torn out sideways.",
+        "a DMOVE moves along base axes, the motion before along tool axes",
+        "A tool that entered a hole along its own axis must leave it along the same axis. A DMOVE without "
+        "a base frame uses the base frame of DEFAULT: if the tool is tilted, this is a different "
+        "direction, and the tool is pulled out sideways.",
         _HEAD + "P0020 DMOVE 0 0 -60 0 0 0 {TCP}\nP0030 DMOVE 0 0 60 0 0 0",
         _HEAD + "P0020 DMOVE 0 0 -60 0 0 0 {TCP}\nP0030 DMOVE 0 0 60 0 0 0 {TCP}",
     ),

@@ -36,7 +36,7 @@ def _look(program: Program, around: Surroundings) -> Iterator[Remark]:
                 "mm long"
             )
             yield Remark(
-                message, link.span, "check the values, their units and the parent frame", None, link.source
+                message, link.span, "correct the values, their units or the parent frame", None, link.source
             )
 
 
@@ -63,10 +63,10 @@ RULE = Rule(
         "Y0309",
         "far-frame",
         "warning",
-        "a frame stands far outside of the arm's reach",
-        "If a table is twice as far away as the arm is long, or a tool is longer than the arm, most "
-        "likely a value is in the wrong unit, or the frame is given in another parent than the one in "
-        "which it was measured. This is also the reason if poses in the frame are refused.",
+        "a frame is far outside the robot's reach",
+        "If a table is twice as far away as the arm is long, or a tool is longer than the arm, most likely "
+        "a value is in the wrong unit, or the parent frame isn't the one in which the frame was measured. "
+        "If poses in this frame are refused, this is most likely the reason.",
         "FRAME {TABLE} 0 1000 500 0 0 0 (cm,deg) {B}\n"
         "P0010 MOVEJ_RPY {TCP} 0 -900 0 0 0 0 [5] (cm,deg,s) {TABLE}",
         "FRAME {TABLE} 0 1074.4 900 0 0 0 (mm,deg) {B}\n"

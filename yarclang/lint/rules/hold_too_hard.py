@@ -11,8 +11,8 @@ from yarclang.hir import Motion
 from yarclang.lint.rule import Remark, Rule, Surroundings, remark_at
 
 MUCH = 1.9
-"""Share of the stop acceleration above which a motion gets a remark. Motions at full acceleration come
-close to it.
+"""A motion gets a remark if a hold needs more than this multiple of the stop acceleration. Motions at full
+acceleration come close to it.
 """
 
 
@@ -22,12 +22,12 @@ def _look(certificate: Certificate, around: Surroundings) -> Iterator[Remark]:
         if one.hold.share <= MUCH or not isinstance(step, Motion):
             continue
         message = (
-            f"a hold in the worst moment of this motion needs {percent(one.hold.share)} % of the stop "
+            f"a hold at the worst moment of this motion needs {percent(one.hold.share)} % of the stop "
             f"acceleration of {one.hold.name}"
         )
         help_ = (
-            "make the motion slower (ACC 50%, or a longer time), or hold more slowly: controller.hold_time "
-            "in robot.toml"
+            "make the motion slower (ACC 50%, or a longer time), or increase controller.hold_time in "
+            "robot.toml"
         )
         yield remark_at(step.origin, message, help_)
 
@@ -38,10 +38,10 @@ RULE = Rule(
         "hard-hold",
         "note",
         "a hold during this motion may need far more than the stop acceleration",
-        "A feed hold slows the program's time down to a stop; this is added to the motion's own "
-        "acceleration. The certificate has the used share of each joint's acceleration of an emergency "
-        "stop. Beyond that the drive may trip, or the arm may leave its path, just when somebody wants to "
-        "stop.",
+        "A feed hold slows the program down to a stop. Its deceleration adds to the acceleration of the "
+        "motion itself. The certificate gives the sum as a percentage of each joint's emergency-stop "
+        "acceleration. If it is far above 100 %, the drive may trip or the arm may leave its path during "
+        "the hold.",
         "P0010 MOVEJ_TOPP 120 60 0 0 0 0 [MIN] (deg)",
         "P0010 MOVEJ 120 60 0 0 0 0 [50%] (deg)",
     ),

@@ -9,7 +9,7 @@ from yarclang.hir import Program, SetOutput
 from yarclang.lint.rule import Remark, Rule, Surroundings, remark_at
 
 
-def _look(program: Program, around: Surroundings) -> Iterator[Remark]:  # noqa: ARG001  (every rule gets both)
+def _look(program: Program, around: Surroundings) -> Iterator[Remark]:  # noqa: ARG001  (rules get two arguments)
     grips = program.cell.grips if program.cell else ()
     kept = {
         one.signal.name for one in program.outputs if one.safe is not None or one.signal.variable in grips
@@ -25,8 +25,8 @@ def _look(program: Program, around: Surroundings) -> Iterator[Remark]:  # noqa: 
             yield remark_at(
                 step.origin,
                 f"{name} is still ON when the program ends, and a stop doesn't switch it off",
-                f"write SET {name} OFF when it has done its work, or OUTPUT {name} {step.output.variable} "
-                "OFF to have it off at a stop",
+                f"add SET {name} OFF before the end, or declare OUTPUT {name} {step.output.variable} OFF so "
+                "that every stop switches it off",
             )
 
 
@@ -35,10 +35,10 @@ RULE = Rule(
         "Y1020",
         "left-on",
         "warning",
-        "an output is switched on and never off",
-        "Glue, a torch or a spindle that isn't switched off goes on after the program, and after a stop. "
-        "Outputs with a safe value aren't reported, since they get this value at a stop; neither are "
-        "outputs of grippers.",
+        "an output is switched on, but never off",
+        "Glue, a torch or a spindle that isn't switched off stays on at a stop and after the end of the "
+        "program. Outputs with a safe value aren't reported, because they get this value at a stop. Outputs "
+        "of grippers aren't reported either.",
         "OUTPUT GLUE M1\nP0010 SET GLUE ON\nP0020 MOVEJ 10 0 0 0 0 0 [5] (deg,s)",
         "OUTPUT GLUE M1 OFF\nP0010 SET GLUE ON\nP0020 MOVEJ 10 0 0 0 0 0 [5] (deg,s)\nP0030 SET GLUE OFF",
     ),

@@ -25,17 +25,17 @@ def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
         step = plan.program.steps[motion.step]
         assert isinstance(step, Motion)
         unit = robot.axis_unit_names[joint]
-        which = f"way-point {at + 1}" if len(motion.waypoints) > 1 else "the target"
+        which = f"waypoint {at + 1}" if len(motion.waypoints) > 1 else "the target"
         message = (
-            f"{which} takes {robot.joint_names[joint]} to {motion.waypoints[at, joint] / units[joint]:.4g} "
+            f"{which} moves {robot.joint_names[joint]} to {motion.waypoints[at, joint] / units[joint]:.4g} "
             f"{unit}, {max(0.0, room[at, joint]):.2g} {unit} from its limit"
         )
-        help_ = "another configuration (NEAR) or another place of the part leaves more room"
+        help_ = "choose another configuration (NEAR), or another place for the part"
         yield remark_at(step.origin, message, help_)
 
 
 def _near(motions: Sequence[PlannedMotion], limits: Limits, units: Array) -> Iterator[PlannedMotion]:
-    """Yield the motions with a way-point near a joint limit. All way-points are compared in one array."""
+    """Yield the motions with a waypoint near a joint limit. All waypoints are compared in one array."""
     if not motions:
         return
     q = np.concatenate([motion.waypoints for motion in motions])
@@ -51,9 +51,9 @@ RULE = Rule(
         "near-joint-limit",
         "note",
         "a joint comes within 2 deg (or mm) of its limit at a target",
-        "The program works now, but may fail after a small correction of the target: the pose is refused, "
-        "or the arm takes another configuration. On the machine, the limit switch may be a little nearer "
-        "than robot.toml says.",
+        "The program works now. But after a small correction of the target, the pose may be refused, or the "
+        "arm may take another configuration. On the machine, the limit switch may be slightly closer than "
+        "robot.toml states.",
         "P0010 MOVEJ 169 0 0 0 0 0 [50%] (deg)",
         "P0010 MOVEJ 160 0 0 0 0 0 [50%] (deg)",
     ),

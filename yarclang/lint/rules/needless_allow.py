@@ -19,7 +19,7 @@ def _look(certificate: Certificate, around: Surroundings) -> Iterator[Remark]:
         if may.needed
     }
     places: dict[tuple[SourceFile, Span], tuple[Allowed, bool]] = {}
-    elsewhere = after_search = False  # it leads to other places when the program runs
+    elsewhere = after_search = False  # True for motions that may follow other paths at run time
     for step, motion in enumerate(around.steps):
         if isinstance(motion, When | Else):
             elsewhere = isinstance(motion, When) and motion.offset is not None
@@ -35,8 +35,8 @@ def _look(certificate: Certificate, around: Surroundings) -> Iterator[Remark]:
             places[place] = one, before or (step, one.first, one.second) in needed
     for (source, span), (one, is_needed) in places.items():
         if not is_needed:
-            message = f"{one.first} and {one.second} stay apart on this motion: they need no ALLOW"
-            help_ = "remove the ALLOW, so that this pair is proved"
+            message = f"{one.first} and {one.second} stay apart during this motion: ALLOW isn't needed"
+            help_ = "remove the ALLOW, so that the distance of this pair is proved"
             yield Remark(message, span, help_, source=source)
 
 
@@ -45,10 +45,9 @@ RULE = Rule(
         "Y0936",
         "needless-allow",
         "note",
-        "ALLOW names bodies that never touch",
+        "ALLOW names bodies that don't touch",
         "Bodies that may touch on a motion aren't checked against each other. If they stay apart anyway, "
-        "the ALLOW has no effect today, and may hide a collision when somebody changes the motion or the "
-        "cell.",
+        "the ALLOW has no effect now, but may hide a collision after a change of the motion or the cell.",
         "P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s) ALLOW LINK_1 LINK_6",
         "P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)",
     ),

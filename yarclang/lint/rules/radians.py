@@ -15,7 +15,7 @@ _STEP = np.pi / 12.0
 """Angle whose multiples people usually program: 15 degrees [rad]."""
 
 _EXACT = 6e-5
-"""Largest difference from such a multiple that results from writing it with four digits [rad]."""
+"""Largest difference of a value from a multiple of `_STEP`, if it was written with four digits [rad]."""
 
 
 def _look(program: Program, around: Surroundings) -> Iterator[Remark]:
@@ -26,9 +26,7 @@ def _look(program: Program, around: Surroundings) -> Iterator[Remark]:
         for goal in step.waypoints if isinstance(step, TimedMove) else step.goals:
             if isinstance(goal, JointGoal) and (value := _radian(goal.q[turning] / DEG)) is not None:
                 turn = round(value / _STEP) * 15
-                message = (
-                    f"{value:.5g} deg looks like {turn} deg in rad; as it stands, the joint hardly moves"
-                )
+                message = f"{value:.5g} deg looks like {turn} deg in rad; in deg the joint hardly moves"
                 yield remark_at(step.origin, message, "write (rad) after the values, or the values in deg")
                 break
 
@@ -58,9 +56,9 @@ RULE = Rule(
         "radians",
         "warning",
         "joint values in degrees look like radians",
-        "1.5708 deg is an unusual number, and a quarter of a turn in rad. The line is carried out, and "
-        "the arm moves by a sixtieth of the intended angle; the next straight motion then starts from a "
-        "wrong place.",
+        "1.5708 is an unusual angle in deg, and a quarter of a turn in rad. The line can be carried out, "
+        "but the joint moves only by a sixtieth of the intended angle, and the next straight motion starts "
+        "from a wrong place.",
         "P0010 MOVEJ 1.5708 0 0 0 0.5236 0 [5] (deg,s)",
         "P0010 MOVEJ 1.5708 0 0 0 0.5236 0 [5] (rad,s)",
     ),

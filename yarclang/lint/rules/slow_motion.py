@@ -14,14 +14,14 @@ from yarclang.motion.profile import load_profile
 from yarclang.motion.zones import slow_zones
 
 MANY = 20.0
-"""Smallest ratio of a motion's time to the shortest possible time for a remark."""
+"""A motion gets a remark if its time is more than this many times the shortest possible time."""
 
 SHORT = 5.0
-"""Smallest motion time for a remark [s]."""
+"""A motion with a shorter time than this gets no remark [s]."""
 
 _NO_TIME = 1e-3
-"""Smallest value of the shortest possible time for a remark [s]. A shorter motion goes nowhere, which is
-another finding.
+"""If the shortest possible time of a motion is not above this, the motion gets no remark [s]. Such a motion
+doesn't move the robot; another rule reports this.
 """
 
 
@@ -41,14 +41,14 @@ def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
         shortest = motion.curve.duration * needed / motion.curve.segment
         if _NO_TIME < shortest < given / MANY:
             message = (
-                f"this motion takes {given:g} s and could be done in {shortest:.2g} s: "
-                f"{given / shortest:.0f} times as long"
+                f"this motion takes {given:g} s, {given / shortest:.0f} times its shortest time of "
+                f"{shortest:.2g} s"
             )
             yield remark_at(
                 step.origin,
                 message,
-                "check the time and its unit; [MIN] or [50%] let the limits decide, [V 50] the speed of "
-                "the tool",
+                "correct the time or its unit; or give [MIN] or [50%] for a share of the limits, [V 50] "
+                "for a speed",
             )
 
 
@@ -57,10 +57,10 @@ RULE = Rule(
         "Y0611",
         "slow-motion",
         "note",
-        "a motion takes more than 20 times as long as it has to",
-        "A time that is much too long is often a time in the wrong unit, or the old time of a longer "
-        "way, and costs time in every cycle. If the slow motion is intended, for a weld or a glue line, "
-        "use a speed such as [V 10] instead: the time then follows from the way.",
+        "a motion takes more than 20 times its shortest time",
+        "A motion time that is much too long is often in the wrong unit, or is left over from an earlier, "
+        "longer path. It costs time in every cycle. If a slow motion is intended, for a weld or a glue "
+        "line, use a speed such as [V 10] instead: the time then follows from the length of the path.",
         "P0010 MOVEJ 10 0 0 0 0 0 [2] (deg,min)",
         "P0010 MOVEJ 10 0 0 0 0 0 [2] (deg,s)",
     ),

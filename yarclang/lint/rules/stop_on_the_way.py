@@ -29,7 +29,7 @@ def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
         between: tuple[Step, ...] = steps[first.step + 1 : second.step]
         if step.blend is not None or not all(isinstance(one, SetOutput) for one in between):
             continue
-        # The same path from the cache is the same object, so that paths can be a part of a key.
+        # The cache returns the same object for the same path, so paths can be part of a key.
         key = ("angle", first.path, second.path)
         (angle,) = recall(around.memory, key, partial(_angle, first, second, ways))
         if angle is not None and angle < STRAIGHT:
@@ -41,8 +41,8 @@ def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
             yield remark_at(
                 step.origin,
                 message,
-                "BLEND with a distance, at the end of the line, makes the motion flow; if the robot should "
-                "stop here, nothing needs to be done",
+                "add BLEND and a distance at the end of the line to pass here without a stop; if the stop "
+                "is intended, change nothing",
             )
 
 
@@ -85,9 +85,9 @@ RULE = Rule(
         "Y0612",
         "stop-on-the-way",
         "note",
-        "the robot stops between two motions that go straight on",
-        "Without BLEND each motion ends at rest. On a straight way this costs time, and leaves a mark if "
-        "the tool works on the way, as with glue.",
+        "the robot stops between two motions in the same direction",
+        "Without BLEND each motion ends at rest. On a straight path this costs time, and leaves a mark if "
+        "the tool is working, for example with glue.",
         _HEAD + "P0020 MOVEL 0 1174.4 1276 0 0 0 [V 100]\nP0030 MOVEL 0 1174.4 1176 0 0 0 [V 100]",
         _HEAD + "P0020 MOVEL 0 1174.4 1276 0 0 0 [V 100] BLEND 10\nP0030 MOVEL 0 1174.4 1176 0 0 0 [V 100]",
     ),

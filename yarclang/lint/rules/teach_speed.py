@@ -19,7 +19,7 @@ LARGEST = 250.0 * MM
 """The reduced speed of ISO 10218-1, 5.6.2 [m/s]."""
 
 _ROUNDING = 1e-3
-"""Allowed excess over this speed, as a share, because the planner rounds a speed such as [V 250]."""
+"""Allowed excess over `LARGEST`, as a share of it. The planner rounds a speed such as [V 250]."""
 
 
 def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
@@ -32,14 +32,14 @@ def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
         if speed <= LARGEST * (1.0 + _ROUNDING):
             continue
         message = (
-            f"the tool goes at up to {speed / MM:.0f} mm/s; yarc.toml says teach = true, and then "
-            f"{LARGEST / MM:.0f} is the most"
+            f"the tool goes at up to {speed / MM:.0f} mm/s; with teach = true in yarc.toml "
+            f"{LARGEST / MM:.0f} is the limit"
         )
         needed = motion.curve.duration * speed / LARGEST
         yield remark_at(
             step.origin,
             message,
-            f"give it about {needed:.2g} s, or [V<={LARGEST / MM:.0f}] with mm and s",
+            f"give the motion about {needed:.2g} s, or [V<={LARGEST / MM:.0f}] with mm and s",
         )
 
 
@@ -62,10 +62,10 @@ RULE = Rule(
         "Y0613",
         "above-teach-speed",
         "warning",
-        "the tool goes faster than 250 mm/s while people teach",
-        "While somebody stands within reach, the tool may go at 250 mm/s at most: the reduced speed of ISO "
-        "10218-1. `teach = true` in yarc.toml states that the programs are for such work. This check isn't "
-        "a safety function: the controller's own speed monitoring must work as well.",
+        "the tool moves faster than 250 mm/s in a teaching program",
+        "While a person is within reach, the tool may move at 250 mm/s at most: the reduced speed of ISO "
+        "10218-1. `teach = true` in yarc.toml states that the programs are used in this way. This check "
+        "isn't a safety function: the controller's own speed monitoring is needed as well.",
         "P0010 MOVEJ 90 0 0 0 0 0 [MIN] (deg)",
         "P0010 MOVEJ 90 0 0 0 0 0 [20] (deg,s)",
     ),

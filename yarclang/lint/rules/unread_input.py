@@ -9,13 +9,13 @@ from yarclang.lint.rule import Remark, Rule, Surroundings
 from yarclang.syntax.ast import Module
 
 
-def _look(module: Module, around: Surroundings) -> Iterator[Remark]:  # noqa: ARG001  (every rule gets both)
+def _look(module: Module, around: Surroundings) -> Iterator[Remark]:  # noqa: ARG001  (rules get two arguments)
     for one in around.names.unused("INPUT"):
-        message = f"nothing in this file reads the input {one.name}"
+        message = f"the input {one.name} is never read in this file"
         yield Remark(
             message,
             one.span,
-            f"write WAIT {one.name} ON [30] (s) where the robot should wait for it, or remove the line",
+            f"add WAIT {one.name} ON [30] (s) at the place where the robot should wait, or remove the line",
         )
 
 
@@ -24,10 +24,10 @@ RULE = Rule(
         "Y1011",
         "unread-input",
         "warning",
-        "an INPUT is declared that nothing reads",
-        "An input is declared so that the robot waits for it, or chooses a way by it: for example, a "
-        "door must be shut, or a part must be there. Without a WAIT or WHEN the robot goes on whatever "
-        "the value of the input is.",
+        "an INPUT is declared, but never read",
+        "An input is declared so that the robot waits for it or branches by it: for example, a door must "
+        "be shut, or a part must be present. Without a WAIT or WHEN, the robot goes on at any value of the "
+        "input.",
         "INPUT DOOR_SHUT M11\nP0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)",
         "INPUT DOOR_SHUT M11\nP0010 WAIT DOOR_SHUT ON [30] (s)\nP0020 MOVEJ 10 0 0 0 0 0 [5] (deg,s)",
         needs="use",

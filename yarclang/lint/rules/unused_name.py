@@ -24,7 +24,7 @@ _KINDS = {
 }
 
 
-def _look(module: Module, around: Surroundings) -> Iterator[Remark]:  # noqa: ARG001  (every rule gets both)
+def _look(module: Module, around: Surroundings) -> Iterator[Remark]:  # noqa: ARG001  (rules get two arguments)
     names = around.names
     # Frames on the flange are reported by unused_tool.py.
     on_flange = set(around.robot.flange_from_frame)
@@ -39,24 +39,24 @@ def _look(module: Module, around: Surroundings) -> Iterator[Remark]:  # noqa: AR
         if declared.word == "FRAME" and declared.name in on_flange:
             continue
         shown = f"{{{declared.name}}}" if declared.word == "FRAME" else declared.name
-        message = f"no line of this file uses the {_KINDS[declared.word]} {shown}"
+        message = f"the {_KINDS[declared.word]} {shown} is never used in this file"
         yield Remark(
             message,
             declared.span,
-            "remove the line; or should a later command use this name?",
+            "use the name in a command, or remove the line",
             _without(declared),
         )
 
 
 def _without(one: Declared) -> Fix | None:
-    """Return the fix that removes an unused USE line without comments. None for other declarations, since
-    their names may be needed soon.
+    """Return the fix that removes an unused USE line without comments. None for other declarations: their
+    author may be about to use the names.
     """
     statement = one.statement
     if one.word != "USE" or statement.comments:
         return None
     line = Span(statement.line, 1, statement.line + statement.rows, 1)
-    return Fix(f"take USE {one.name} away", (Edit(line, ""),))
+    return Fix(f"remove USE {one.name}", (Edit(line, ""),))
 
 
 RULE = Rule(
@@ -64,10 +64,10 @@ RULE = Rule(
         "Y0216",
         "unused-name",
         "note",
-        "something is declared that nothing uses",
-        "Either the line is a leftover, or a later command names a wrong frame, position or number. If a "
-        "frame was measured and isn't used, another frame is often used twice by mistake. A file without "
-        "commands of its own is a module, whose names are for other files.",
+        "a name is declared, but never used",
+        "Either the line is a leftover, or a command uses a wrong frame, position or number instead: often "
+        "another frame is used twice by mistake. Files without commands aren't checked: they are modules, "
+        "whose names are for other files.",
         "FRAME {LEFT} 0 1174.4 1126 0 0 0 (mm,deg) {B}\nFRAME {RIGHT} 200 1074.4 1126 0 0 0 (mm,deg) {B}\n"
         "P0010 MOVEJ_RPY {TCP} 0 0 50 0 0 0 [50%] (mm,deg) {LEFT}",
         "FRAME {LEFT} 0 1174.4 1126 0 0 0 (mm,deg) {B}\n"

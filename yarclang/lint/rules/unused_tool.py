@@ -9,7 +9,7 @@ from yarclang.lint.rule import Remark, Rule, Surroundings
 from yarclang.syntax.ast import Module
 
 
-def _look(module: Module, around: Surroundings) -> Iterator[Remark]:  # noqa: ARG001  (every rule gets both)
+def _look(module: Module, around: Surroundings) -> Iterator[Remark]:  # noqa: ARG001  (rules get two arguments)
     names = around.names
     on_flange = set(around.robot.flange_from_frame)
     for declared in names.declared:
@@ -21,11 +21,11 @@ def _look(module: Module, around: Surroundings) -> Iterator[Remark]:  # noqa: AR
             on_flange.add(declared.name)
     for declared in names.unused("FRAME"):
         if declared.name in on_flange:
-            message = f"no line of this file uses the tool {{{declared.name}}}"
+            message = f"the tool {{{declared.name}}} is never used in this file"
             yield Remark(
                 message,
                 declared.span,
-                f"name {{{declared.name}}} in DEFAULT or in the commands that move it, or remove the line",
+                f"write {{{declared.name}}} in DEFAULT or in the commands that move it, or remove the line",
             )
 
 
@@ -34,9 +34,9 @@ RULE = Rule(
         "Y0215",
         "unused-tool",
         "warning",
-        "a tool is declared that no command uses",
-        "A declared tool is mounted. If no command names it, all commands move another frame, most likely "
-        "{TCP}, to the tool's places, and the tool collides with the bodies there.",
+        "a tool is declared, but never used",
+        "A declared tool is mounted on the robot. If no command uses it, all commands move another frame, "
+        "most likely {TCP}, to the tool's places, where the tool may collide.",
         "FRAME {TORCH} 0 100 35 0 45 0 (mm,deg) {FLANGE}\n"
         "P0010 MOVEJ_RPY {TCP} 0 1174.4 1176 0 0 0 [5] (mm,deg,s) {B}",
         "FRAME {TORCH} 0 100 35 0 45 0 (mm,deg) {FLANGE}\n"

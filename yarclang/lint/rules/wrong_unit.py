@@ -1,4 +1,4 @@
-"""Find magnitudes that suggest a wrong unit."""
+"""Find numbers whose size suggests a wrong unit."""
 
 from __future__ import annotations
 
@@ -64,12 +64,12 @@ def _placed(away: float, arm: float) -> tuple[str, str]:
     if away > arm:
         return (
             f"this pose is {away:,.0f} m from {{B}}; the arm is {arm:.2g} m long",
-            "are these mm and not metres? then write mm among the units",
+            "if the values are in mm, write mm in the units",
         )
     meant = "; 1000 times as far would be within reach" if away * 1e3 < 1.5 * arm else ""
     return (
-        f"this pose is {away / MM:.3g} mm from {{B}}, inside of the robot's foot{meant}",
-        "are these metres and not mm? then write m among the units",
+        f"this pose is {away / MM:.3g} mm from {{B}}, inside the robot's base{meant}",
+        "if the values are in m, write m in the units",
     )
 
 
@@ -82,9 +82,12 @@ def _speed(speed: Reading) -> tuple[str, str] | None:
     if speed.length is None:
         return None
     if speed.length < _SLOWEST:
-        return f"the tool goes at {speed.length / MM:.3g} mm/s", "is the speed in m and s, and not in mm?"
+        return (
+            f"the tool goes at {speed.length / MM:.3g} mm/s",
+            "if the speed is in m/s, write m in the units",
+        )
     if speed.length > _FASTEST:
-        return f"the tool goes at {speed.length:,.0f} m/s", "is the speed in mm and s, and not in m?"
+        return f"the tool goes at {speed.length:,.0f} m/s", "if the speed is in mm/s, write mm in the units"
     return None
 
 
@@ -95,7 +98,7 @@ def _blend(blend: Reading) -> tuple[str, str] | None:
         return None
     return (
         f"a corner of {blend.length / MM:.3g} mm has nearly no effect",
-        "are these metres and not mm? BLEND 0 follows both paths exactly",
+        "if the value is in m, write m in the units; BLEND 0 follows both paths exactly",
     )
 
 
@@ -105,10 +108,10 @@ RULE = Rule(
         "Y0417",
         "wrong-unit",
         "warning",
-        "a magnitude suggests the wrong unit",
-        "A pose is 1.2 mm from the robot's base, or 1174 m away, or a tool creeps at 0.25 mm/s: such "
-        "numbers are often right in m but given in mm, or the other way round. If the robot can carry "
-        "the line out nevertheless, the motion isn't the intended one.",
+        "a value suggests a wrong unit",
+        "A pose 1.2 mm or 1174 m from the robot's base, or a speed of 0.25 mm/s, is often a value in m "
+        "that is read in mm, or the reverse. Even if the robot can carry out the line, the motion isn't "
+        "the intended one.",
         "P0010 MOVEJ_RPY {TCP} 0 1.1744 1.176 0 0 0 [5] (mm,deg,s) {B}",
         "P0010 MOVEJ_RPY {TCP} 0 1.1744 1.176 0 0 0 [5] (m,deg,s) {B}",
         needs="unit",

@@ -81,7 +81,7 @@ async def _inspect(server: Server, *arguments: Any) -> dict[str, str] | None:
         return None
     text = await server.answer(uri, _inspection, view, line)
     if not text:
-        _told(server, f"no command that is understood stands in line {line}")
+        _told(server, f"line {line} has no valid command")
         return None
     path = server.files / f"{Path(view.sketch.source.name).stem}_{line}.txt"
     path.write_text(text, encoding="utf-8")
@@ -109,7 +109,7 @@ async def _plot(server: Server, *arguments: Any) -> dict[str, str] | None:
     analysis = await server.analyses.whole(uri, None)
     plan = analysis.checked.plan if analysis else None
     if analysis is None or plan is None or not plan.motions:
-        _told(server, "nothing to draw: the program has errors, or no motion")
+        _told(server, "there is nothing to draw: the program has errors, or no motion")
         return None
     path = server.files / f"{Path(analysis.document.source.name).stem}.svg"
     await server.answer(uri, _draw, plan, path)

@@ -47,7 +47,7 @@ def _typed(server: Server, params: types.DocumentOnTypeFormattingParams) -> list
     document = server.documents.get(params.text_document.uri)
     if document is None or not document.is_program:
         return None
-    line = params.position.line  # the protocol's line from 0 is the number from 1 of the line before
+    line = params.position.line  # number (from 1) of the ended line, and (from 0) of the new one
     if not 1 <= line <= len(document.source.lines):
         return None
     text = document.source.line(line)

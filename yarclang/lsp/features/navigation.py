@@ -95,7 +95,7 @@ def _rename(server: Server, params: types.RenameParams) -> types.WorkspaceEdit |
             return _changes(server, edits)
         renamable_at(view, *at)
         target = target_at(view, *at)
-        assert target is not None  # the name can be changed
+        assert target is not None  # otherwise `renamable_at` has raised
         edits = rename(target, server.views_beside(uri, target.sketch.source.name), params.new_name)
     except RenameError as error:
         raise Refusal(str(error)) from None

@@ -19,7 +19,7 @@ def _initialized(server: Server, params: types.InitializeParams) -> None:
     server.settings = dict(given) if isinstance(given, dict) else {}
 
 
-def _ready(server: Server, params: types.InitializedParams) -> None:  # noqa: ARG001  (the protocol's)
+def _ready(server: Server, params: types.InitializedParams) -> None:  # noqa: ARG001  (the protocol passes it)
     """Ask the client to report changes of files by other programs."""
     workspace = server.client_capabilities.workspace
     watches = workspace.did_change_watched_files if workspace else None

@@ -34,7 +34,7 @@ _TYPES = {
     "constant": "enum",
     "pose": "enumMember",
 }
-"""Kinds of words: the name in yarclang.assist, and the name that editors' themes use."""
+"""For each kind of word in yarclang.assist, the name that editors' themes use."""
 
 _NAMES = list(_TYPES.values())
 _NUMBERS = {tint: number for number, tint in enumerate(_TYPES)}
@@ -60,7 +60,9 @@ async def _part(server: Server, params: types.SemanticTokensRangeParams) -> type
 
 
 def _tokens(server: Server, document: Document, first: int, last: int | None) -> types.SemanticTokens:
-    """Return five numbers for each word. Its place is relative to the previous word."""
+    """Return five numbers for each word, as the protocol requires: line and column relative to the previous
+    word, length, kind, and 1 for a declaration.
+    """
     data: list[int] = []
     line = character = 0
     text, read = "", 0

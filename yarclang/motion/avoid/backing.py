@@ -1,9 +1,9 @@
 """Draw the tool straight out of a tight place, along the axes of the moved frame and of the flange, without
-turning it.
+rotating it.
 
-A random search seldom finds the way out of a box that is a few millimetres wider than the tool. The tool's
-own axes lead out of nearly all places into which people lead tools. From the end of a first line, or from
-half way along it, a second line may lead on: past the rails of a slot, or around a corner.
+A random search seldom finds the way out of a box that is a few millimetres wider than the tool. A straight
+line along one of the tool's axes gets out of nearly all places into which people move tools. A second line
+may start at the end of the first one or at its middle, to get past the rails of a slot or around a corner.
 """
 
 from __future__ import annotations
@@ -22,23 +22,23 @@ from yarclang.robot.kinematics.numeric import fit
 from yarclang.robot.kinematics.within import EDGE, beyond
 
 STEP = 0.005
-"""Distance that the tool moves between two joint positions that are checked [m]."""
+"""Distance that the tool moves from one checked joint position to the next [m]."""
 
 FARTHEST = 0.4
-"""Largest length of a line [m]."""
+"""Greatest length of a straight line [m]."""
 
 _LEAST = 4
-"""Least number of steps of a line; shorter ones lead nowhere."""
+"""Least number of steps of a line. Shorter lines are dropped, since the tool hardly moves along them."""
 
 _EVERY = 5
-"""Number of steps of a line from one joint position that is kept as a way-point to the next. `_ROOTS` is the
-number of steps from one joint position at which a search may begin to the next.
-"""
+"""Every `_EVERY`-th step of a line becomes a waypoint. A search may begin at every `_ROOTS`-th step."""
 
 _ROOTS = 20
 
 _JUMP = 0.15
-"""Motion of a joint in one step [rad or m] above which it is close to a singularity; a line ends there."""
+"""Largest motion of a joint in one step [rad or m]. A larger one means that a singularity is near: the line
+ends there.
+"""
 
 
 @frozen(eq=False)
@@ -58,8 +58,8 @@ def retreats(room: Room, q: Array, free: Callable[[Array], bool], *, turns: bool
         room: the surroundings of the arm.
         q: (n,) joint position at the tight place [rad or m]; it is free of collisions.
         free: function that returns True if a joint position is free of collisions.
-        turns: True to continue each line along the other axes of the tool, from the line's end and from half
-            way along it.
+        turns: True to also try a second line, in another direction, from the middle and from the end of each
+            first line.
     """
     own = Retreat(q[None])
     lines = _lines(room, [own], free)
@@ -72,9 +72,10 @@ def retreats(room: Room, q: Array, free: Callable[[Array], bool], *, turns: bool
 
 
 def _widest(room: Room, found: list[Retreat]) -> list[Retreat]:
-    """Return the few retreats whose ends have the most clearance; of two equal ones the shorter wins.
+    """Return the few retreats whose ends have the most clearance. Of two with equal clearance, the shorter
+    one is preferred.
 
-    A search that also began in tight places would draw most of its samples into obstacles.
+    Searches begin only at these ends: from a tight place, nearly all samples would lead into obstacles.
     """
     spare = np.round(room.spare(np.array([one.corners[-1] for one in found]), _OPEN), 3).tolist()
     order = sorted(range(len(found)), key=lambda at: (-spare[at], len(found[at].corners)))
@@ -82,15 +83,15 @@ def _widest(room: Room, found: list[Retreat]) -> list[Retreat]:
 
 
 _OPEN = 0.1
-"""Distance from everything around it above which a place counts as open [m]."""
+"""Clearance above which the ends of retreats count as equally free [m]."""
 
 _MOST = 3
-"""The largest number of places at which a search begins."""
+"""The largest number of retreats from whose ends a search begins."""
 
 
 def _roots(line: Array) -> list[Retreat]:
-    """Return the parts of a line up to each joint position at which a search may begin: one every `_ROOTS`
-    steps, and the line's end.
+    """Return the initial parts of a line as retreats: one ends at every `_ROOTS`-th step, and the last one is
+    the whole line.
     """
     ends = {*range(_ROOTS, len(line) - 1, _ROOTS), len(line) - 1}
     return [Retreat(line[: end + 1]) for end in sorted(ends)]
@@ -98,13 +99,14 @@ def _roots(line: Array) -> list[Retreat]:
 
 def _thinned(corners: Array) -> Array:
     kept = {*range(0, len(corners), _EVERY), len(corners) - 1}
-    if len(corners) - 2 in kept and len(corners) > _EVERY:  # no two next to each other
+    if len(corners) - 2 in kept and len(corners) > _EVERY:  # keep only one of the last two corners
         kept.discard(len(corners) - 2)
     return corners[sorted(kept)]
 
 
 def _lines(room: Room, begun: list[Retreat], free: Callable[[Array], bool]) -> list[Array]:
-    """Return joint-space paths (k, n) that extend given retreats along straight lines of the tool.
+    """Extend given retreats by straight lines of the tool in all directions. Return the extended joint-space
+    paths (k, n).
 
     Each line ends where the arm can't reach farther, comes close to a singularity, or meets an obstacle.
     """
@@ -112,17 +114,18 @@ def _lines(room: Room, begun: list[Retreat], free: Callable[[Array], bool]) -> l
         return []
     chain, limits = room.robot.chain, room.robot.limits
     ends = np.array([one.corners[-1] for one in begun])
-    own = _directions(room)
-    poses = np.repeat(flange_poses(chain, ends), len(own), axis=0)
-    way = np.einsum("pij,pj->pi", poses[:, :3, :3], np.tile(own, (len(ends), 1)))
-    here = np.repeat(ends, len(own), axis=0)
+    directions = _directions(room)
+    poses = np.repeat(flange_poses(chain, ends), len(directions), axis=0)
+    # The directions, given in the flange's frame, are converted to {B}.
+    way = np.einsum("pij,pj->pi", poses[:, :3, :3], np.tile(directions, (len(ends), 1)))
+    here = np.repeat(ends, len(directions), axis=0)
     ways: list[list[Array]] = [[] for _ in way]
     going = np.arange(len(way))
     before = np.zeros_like(here)
     for _ in range(round(FARTHEST / STEP)):
         go_on()
         poses[going, :3, 3] += STEP * way[going]
-        # Continue the joints' last step as the guess for the next one.
+        # As the first guess, assume that the joints repeat their last step.
         guess = np.clip(here[going] + before[going], limits.lower, limits.upper)
         moved = fit(chain, poses[going], guess, lower=limits.lower, upper=limits.upper, rounds=8)
         good = moved.total < reached_within(chain)
@@ -137,7 +140,7 @@ def _lines(room: Room, begun: list[Retreat], free: Callable[[Array], bool]) -> l
         if not len(going):
             break
     return [
-        np.concatenate((begun[at // len(own)].corners, np.array(line)))
+        np.concatenate((begun[at // len(directions)].corners, np.array(line)))
         for at, line in enumerate(ways)
         if len(line) >= _LEAST
     ]
@@ -146,7 +149,7 @@ def _lines(room: Room, begun: list[Retreat], free: Callable[[Array], bool]) -> l
 def _directions(room: Room) -> Array:
     """Return the axes of the moved frame and of the flange as unit vectors in the flange's frame, (d, 3).
 
-    Each axis is included in both directions; parallel axes are included once.
+    Each axis gives two vectors, one in each direction. An axis that is parallel to another is left out.
     """
     axes = [*room.flange_from_moving[:3, :3].T]
     axes += [one for one in np.eye(3) if all(abs(float(one @ other)) < _ALONG for other in axes)]
@@ -154,4 +157,4 @@ def _directions(room: Room) -> Array:
 
 
 _ALONG = 0.999
-"""Cosine between directions above which they count as equal."""
+"""Cosine of the angle between two axes above which they count as parallel."""

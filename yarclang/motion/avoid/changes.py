@@ -1,5 +1,5 @@
-"""Propose small changes of a pose that would let the arm take it: the tool reversed, turned about its z, or
-moved a little.
+"""Propose small changes of a pose that the arm can't reach, or can't reach without a collision: the tool
+reversed, turned about its z axis, or moved a little.
 """
 
 from __future__ import annotations
@@ -23,7 +23,9 @@ from yarclang.transforms import roll_pitch_yaw, rpy_rotation
 from yarclang.units import DEG, MM, UNITS, number_text
 
 TURN, TURNS = 30.0, 11
-"""Step [deg] and number of the turns of the tool about its z that are tried, the smallest first."""
+"""Step [deg] and number of the rotations about the tool's z axis that are tried: +30, -30, +60, -60 and so
+on, up to 180 deg.
+"""
 
 MOVES = (5.0, 10.0, 20.0, 50.0)
 """Distances [mm] by which the pose is moved along axes of the tool and of the line's frame."""
@@ -34,16 +36,16 @@ _SAME = 1e-6
 """Difference up to which poses count as equal [m, or entries of a rotation]."""
 
 _ALONG = 0.999
-"""Cosine between directions above which they count as equal."""
+"""Cosine of the angle between two directions above which they count as equal."""
 
 
 @frozen(eq=False)
 class Change:
-    """A small change of a target pose that the arm can't take.
+    """A small change of a target pose that the arm can't reach, or can't reach without a collision.
 
-    `words` describe the change in a sentence, `title` is the title of the fix that makes it, and
-    `base_from_moving` (4, 4) is the changed pose. `is_reversed` is True if the tool's z axis points the other
-    way.
+    `words` describe the change within a sentence, and `title` is the title of the fix that makes it.
+    `base_from_moving` (4, 4) is the changed pose. `is_reversed` is True if the change reverses the direction
+    of the tool's z axis.
     """
 
     words: str
@@ -55,10 +57,10 @@ class Change:
 def helpful_changes(
     robot: Robot, room: Room | None, goal: PoseGoal, near: Array, origin: Origin
 ) -> tuple[Change, ...]:
-    """Return the first change of each kind with which the arm can take a target pose without a collision.
+    """Return the first change of each kind with which the arm can reach a target pose without a collision.
 
-    The kinds are: z axis reversed, a turn about z, a translation. Some 45 poses are tried, which takes about
-    10 ms with a closed form of the inverse kinematics, and 50 ms without.
+    The kinds are: z axis reversed, rotation about z, translation. Some 45 poses are tried. This takes about
+    10 ms for an arm with closed-form inverse kinematics, and 50 ms for other arms.
 
     Args:
         robot: the arm.
@@ -73,7 +75,7 @@ def helpful_changes(
         tuple(_moved(goal.base_from_moving, origin)),
     )
     flange_from_moving = np.linalg.inv(goal.flange_from_moving)
-    found = []
+    changes = []
     for kind in kinds:
         poses = np.stack([one.base_from_moving for one in kind]) @ flange_from_moving
         solutions = _solutions(robot, poses, near)
@@ -81,8 +83,8 @@ def helpful_changes(
             one for one, taken in zip(kind, solutions, strict=True) if any(_is_free(room, q) for q in taken)
         )
         if (first := next(free, None)) is not None:
-            found.append(first)
-    return tuple(found)
+            changes.append(first)
+    return tuple(changes)
 
 
 def _is_free(room: Room | None, q: Array) -> bool:
@@ -93,7 +95,7 @@ def _solutions(robot: Robot, base_from_flange: Array, near: Array) -> list[Array
     """Return the inverse-kinematics solutions (m, n) [rad or m] within joint limits for each of N flange
     poses (N, 4, 4).
 
-    Without a closed form of the inverse kinematics, only the solutions that a short search finds are
+    For an arm without closed-form inverse kinematics, only the solutions that a short search finds are
     included.
     """
     chain, limits = robot.chain, robot.limits
@@ -106,7 +108,7 @@ def _solutions(robot: Robot, base_from_flange: Array, near: Array) -> list[Array
         fitted = fit(chain, poses, seeds, lower=limits.lower, upper=limits.upper, rounds=_ROUNDS)
         q = fitted.q.reshape(len(base_from_flange), _STARTS, -1)
         reached = (fitted.total < reached_within(chain)).reshape(-1, _STARTS)
-    # Of each solution, take the full turns nearest to `near` within the limits.
+    # Add full turns to the joints of each solution so that it is as near to `near` as the limits allow.
     q = nearest_turn(chain, limits, q, near)
     inside = reached & (np.abs(beyond(limits, q)).max(axis=-1) <= EDGE)
     q = np.clip(q, limits.lower, limits.upper)
@@ -114,31 +116,33 @@ def _solutions(robot: Robot, base_from_flange: Array, near: Array) -> list[Array
 
 
 _STARTS, _ROUNDS = 16, 15
-"""Joint positions from which a solution is searched for, and the largest number of steps of each."""
+"""Number of joint positions from which the search for solutions starts, and the largest number of steps from
+each.
+"""
 
 
 def changes_text(changes: tuple[Change, ...], origin: Origin, how: str) -> str:
-    """Return a sentence that lists the helpful changes of a pose; the first one is given with its six values.
+    """Return a clause that lists the helpful changes of a pose. The first one is given with its six values.
 
-    `how` is the state of the changed pose: free, or in reach.
+    `how` says what the changed pose would be: "free", or "in reach".
     """
     first, *others = changes
     numbers = _written(first.base_from_moving, origin)
-    cause = "the tool's z may point the wrong way: " if first.is_reversed else ""
+    cause = "the tool's z may point in the wrong direction: " if first.is_reversed else ""
     said = ", or ".join(
         (
             f"{first.words} ({numbers} in {origin.length_unit} and {origin.angle_unit})",
             *(one.words for one in others),
         )
     )
-    return f"{cause}it would be {how} {said}"
+    return f"{cause}the pose would be {how} {said}"
 
 
 def change_fix(goal: PoseGoal, change: Change, origin: Origin) -> Fix | None:
     """Return a fix that replaces the six values of a command's pose by those of the changed pose.
 
-    The result is None if the command's six values aren't plain numbers. Only a person knows if the robot
-    should go there, so the fix is applied only by choice.
+    The result is None if the command's six values aren't plain numbers. The fix is applied only by choice,
+    since only a person knows if the robot should go to the changed pose.
     """
     where = origin.values_span
     if where is None:
@@ -200,7 +204,7 @@ def _moved(pose: Array, origin: Origin) -> Iterator[Change]:
 
 
 def _rotation(axis: int, angle: float) -> Array:
-    """Return a turn about an axis by an angle [deg], (4, 4)."""
+    """Return the pose (4, 4) that rotates about the axis with the given index by an angle [deg]."""
     turn, rpy = np.eye(4), np.zeros(3)
     rpy[axis] = angle * DEG
     turn[:3, :3] = rpy_rotation(rpy)

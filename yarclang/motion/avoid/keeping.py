@@ -1,10 +1,11 @@
-"""Find a polyline in joint space along which an axis keeps its angle, or a point stays in a cone: two trees
-whose branches are projected onto this constraint at every step.
+"""Find a polyline in joint space along which an axis keeps its angle, or a point stays in a cone. Two trees
+grow towards each other, and each step of a branch is projected onto these constraints.
 
-The joint positions at which an axis is upright are a thin layer among all joint positions: samples hardly
-ever hit it, and straight lines leave it. Therefore samples, and each step of a branch, are projected onto it
-(Berenson, Srinivasa and Kuffner, "Manipulation planning on constraint manifolds", 2009). Random numbers come
-from a seed, and a search ends by the number of its samples, as in `yarclang.motion.avoid.search`.
+The joint positions at which an axis is upright, for example, are a thin layer among all joint positions:
+samples hardly ever hit it, and straight lines leave it. Therefore samples, and each step of a branch, are
+projected onto it (Berenson, Srinivasa and Kuffner, "Manipulation planning on constraint manifolds", 2009).
+Random numbers come from a seed, and a search ends after a given number of samples, as in
+`yarclang.motion.avoid.search`.
 """
 
 from __future__ import annotations
@@ -24,33 +25,39 @@ from yarclang.motion.avoid.search import Apart, Effort, Question, bounds_of
 from yarclang.progress import go_on
 
 _STEP = 0.1
-"""Length of a step of a branch before it is pulled back [m, of bodies]."""
+"""Length of a step of a branch before the projection onto the constraints [m, approximate motion of
+bodies].
+"""
 _INSIDE = 0.7
-"""Share of the angle within which projected joint positions are, so that the pieces between them fit."""
+"""Share of a constraint's largest angle that projected joint positions may use. The rest is a reserve for the
+straight segments between them.
+"""
 _SPARE = 0.02
-"""Distance that projected joint positions keep from the ends of a range of distances, if it is wide enough
-[m].
+"""Distance that projected joint positions keep from both ends of a cone's allowed range of distances [m]. In
+a narrow range it is less.
 """
 _ROUNDS = 12
-"""Steps of Newton's method to pull a joint position back."""
+"""Largest number of Newton steps that project one joint position onto the constraints."""
 _MOST_STEPS = 60
-"""Steps of a branch towards a sample or the other tree."""
+"""Largest number of steps of a branch towards a sample or towards the other tree."""
 _DELTA = 1e-6
-"""Difference of joint positions for derivatives [rad or m]."""
+"""Step in joint position for finite differences [rad or m]."""
 _CUTS = 120
-"""Shortcuts that are tried."""
+"""Number of shortcuts that are tried on a polyline that was found."""
 
 
 def _excesses(rule: Pointed, scene: Scene, q: Array) -> list[tuple[float, Array]]:
-    """Return by how much each limit of an angle or cone constraint, slightly tightened, is exceeded.
+    """Measure an angle or cone constraint at P joint positions, and compare the first one with the slightly
+    tightened limits.
 
-    Each item is the excess at the first of P joint positions (P, n), and the measured values (P,) at all of
-    them [rad or m].
+    Return one item for each limit: the excess over the limit at the first row of `q` (P, n), and the measured
+    angles or distances (P,) at all rows [rad or m].
     """
     if not isinstance(rule, Sight):
         seen = angles_at(rule, scene, q)
         return [(float(seen[0]) - rule.limit * _INSIDE, seen)]
     aim = aimed_at(rule, scene, q)
+    # Aim at the inside of the range, so that straight pieces between projected positions stay within it.
     spare = min(_SPARE, (rule.far - rule.near) * (1.0 - _INSIDE) / 2.0)
     return [
         (float(aim.angle[0]) - rule.limit * _INSIDE, aim.angle),
@@ -60,18 +67,20 @@ def _excesses(rule: Pointed, scene: Scene, q: Array) -> list[tuple[float, Array]
 
 
 def pulled(scene: Scene, rules: tuple[Pointed, ...], reach: Array, q: Array) -> Array | None:
-    """Project a joint position: return a near one at which all angle and cone constraints hold with some
-    reserve.
+    """Return a nearby joint position at which all angle and cone constraints hold with a reserve: project `q`
+    onto the constraints.
 
     Args:
         scene: the scene with the arm.
         rules: the axes that keep an angle, and the cones.
-        reach: (n,) scale of each joint [m/rad or 1]: joints that move bodies less turn more.
+        reach: (n,) lever of each joint [m/rad or 1]; the smaller the lever, the more the joint may turn.
         q: (n,) joint position to start from [rad or m].
 
     Returns:
         The projected joint position; None if none is found.
     """
+    # For forward differences: the position itself, then for each joint the position in which only this joint
+    # differs, by `_DELTA`.
     around = np.concatenate((np.zeros((1, len(q))), np.eye(len(q)) * _DELTA))
     for _ in range(_ROUNDS):
         worst, slopes = 0.0, None
@@ -84,7 +93,7 @@ def pulled(scene: Scene, rules: tuple[Pointed, ...], reach: Array, q: Array) -> 
         size = float(slopes @ slopes)
         if size < 1e-9:
             return None
-        # Newton step along the gradient of the worst angle, in joint coordinates scaled by `reach`.
+        # Newton step along the gradient of the worst violation, in joint coordinates scaled by `reach`.
         q = q - slopes * ((worst + 1e-4) / size) / reach
     return None
 
@@ -93,9 +102,10 @@ def pulled(scene: Scene, rules: tuple[Pointed, ...], reach: Array, q: Array) -> 
 class _Space:
     """The functions and numbers that a search under constraints works with.
 
-    `free` returns True for joint positions without collision, `pull` projects a joint position onto the
-    constraints, and `reach` (n,) is the scale of each joint [m/rad or 1]. `step` (n,) is the distance between
-    joint positions that are checked [rad or m]. `low` and `high` (n,) are the range of joint positions.
+    `free` returns True for joint positions without collision, and `pull` projects a joint position onto the
+    constraints. `reach` (n,) is the lever of each joint [m/rad or 1]. `step` (n,) is the distance between
+    joint positions that are checked [rad or m]. `low` and `high` (n,) are the lower and upper bounds of joint
+    positions [rad or m].
     """
 
     free: Callable[[Array], bool]
@@ -109,31 +119,34 @@ class _Space:
         """Return True if the straight segment between two joint positions is free of collisions; `one` itself
         isn't checked.
         """
+        # Check from `other` backwards: near `one`, which is known to be free, a collision is least likely.
         count = int(np.ceil(float(np.linalg.norm((other - one) / self.step)))) or 1
         return all(self.free(one + (other - one) * (at / count)) for at in range(count, 0, -1))
 
     def walk(self, one: Array, other: Array) -> list[Array]:
-        """Return projected joint positions that step from one joint position towards another.
+        """Walk from one joint position towards another, and project each step onto the constraints. Return
+        the joint positions after each step.
 
-        They end where the next step would meet an obstacle or leave the joint range, or comes hardly nearer
-        to `other`.
+        The walk ends at `other`, or before the first step that would collide, leave the joint range, or
+        hardly reduce the distance to `other`.
         """
-        found: list[Array] = []
+        steps: list[Array] = []
         here, left = one, float(np.linalg.norm((other - one) * self.reach))
         for _ in range(_MOST_STEPS):
             if left <= _STEP:
                 if left and self.joined(here, other):
-                    found.append(other)
+                    steps.append(other)
                 break
             there = self.pull(here + (other - here) * (_STEP / left))
             if there is None or (there < self.low).any() or (there > self.high).any():
                 break
+            # If the projection undoes most of the step, the walk makes no progress.
             now = float(np.linalg.norm((other - there) * self.reach))
             if now > left - 0.2 * _STEP or not self.joined(here, there):
                 break
-            found.append(there)
+            steps.append(there)
             here, left = there, now
-        return found
+        return steps
 
 
 class _Tree:
@@ -156,7 +169,7 @@ class _Tree:
         return parent
 
     def way(self, at: int) -> list[Array]:
-        """Return the joint positions from the root of the tree to the point number `at`."""
+        """Return the joint positions on the branch from the root of the tree to the point with index `at`."""
         found = []
         while at >= 0:
             found.append(self.points[at])
@@ -177,8 +190,8 @@ def along_rules(
         effort: parameters of the search.
 
     Returns:
-        The corners (k, n) [rad or m], start and goal included; or, if none is found, where the search came
-        nearest to the goal.
+        The corners (k, n) [rad or m], start and goal included. If no polyline is found, an `Apart` with the
+        two joint positions at which the trees come nearest to each other.
     """
     random = np.random.default_rng(effort.seed)
     low, high = bounds_of(question)
@@ -190,7 +203,7 @@ def along_rules(
         go_on()
         if question.is_over():
             break
-        # The first sample is the goal, so that the first branches lead straight from one end to the other.
+        # The first sample is the goal, so that the trees first try to meet directly.
         sample = in_.points[0] if tries == 1 else pull(low + random.random(len(low)) * (high - low))
         if sample is None:
             continue
@@ -215,7 +228,7 @@ def along_rules(
 
 
 def _shortened(space: _Space, points: list[Array], random: np.random.Generator) -> Array:
-    """Return a polyline with the same ends and fewer and shorter segments."""
+    """Return a polyline with the same ends, but fewer and shorter segments."""
     for _ in range(_CUTS):
         if len(points) < 3:
             break
@@ -231,7 +244,8 @@ def _shortened(space: _Space, points: list[Array], random: np.random.Generator) 
             points = [*points[: first + 1], *cut, *points[last + 1 :]]
     kept, at = [points[0]], 0
     while at < len(points) - 1:
-        # Go as far as a straight piece leads.
+        # From each corner, go straight to the farthest following corner that can be reached without a
+        # collision.
         end = at + 1
         while end + 1 < len(points) and space.joined(points[at], points[end + 1]):
             end += 1

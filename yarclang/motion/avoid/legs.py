@@ -1,8 +1,9 @@
 """Follow straight lines of the moving frame among obstacles, and find how far along each line the arm stays
 free of collisions.
 
-All lines turn the frame about the one axis about which it turns from start to goal. A place of the frame is
-therefore four numbers: a position, and a share of this turn.
+While the frame moves on such lines, it rotates only about one fixed axis: the one about which it rotates from
+start to goal. A place of the frame is therefore given by four numbers: the three coordinates of its position,
+and the completed share of this rotation.
 """
 
 from __future__ import annotations
@@ -23,39 +24,44 @@ from yarclang.transforms import constant, pose_matrix, roll_pitch_yaw
 from yarclang.units import DEG, MM
 
 LEVER = 0.25
-"""Distance that a turn of 1 rad counts for in the length of a leg [m]."""
+"""Lever arm by which a rotation is converted into a length [m/rad]."""
 
 _AT_ONCE = 24
-"""Places of a leg that are checked together: most blocked legs are blocked soon."""
+"""Number of places on a leg that are checked together. It is small, because most blocked legs are blocked
+near their beginning.
+"""
 
 _FINEST = 1e-3
-"""Approximate motion of bodies between two places of a proved leg below which no place is added [m]."""
+"""Approximate motion of bodies [m] from one place to the next below which a proof adds no place between
+them.
+"""
 
 _PROVED = 1e-3
-"""Distance in addition to the margins that a proved leg keeps [m]: the executed motion may deviate by
-this.
+"""Distance that a proved leg keeps in addition to the margins [m]. The executed motion may deviate by this
+distance.
 """
 
 _COARSE = 0.02
-"""Approximate motion of bodies between two places of a leg that is to be proved [m], before places are
-added.
+"""Approximate motion of bodies from one place to the next at the beginning of a proof [m]. More places are
+added where they are needed.
 """
 
 _FINE_MM, _FINE_DEG = 1, 2
-"""Decimals of the poses found."""
+"""Number of decimals to which poses are rounded: of the position in mm, and of the angles in deg."""
 
 SHORTEST = 0.005
-"""Shortest part of a leg that is of use [m]."""
+"""Least length of a shortened leg [m]; shorter ones are dropped."""
 
 _BACK = 0.01
-"""Distance from what is in the way at which a part of a leg ends [m]."""
+"""Distance from the obstruction at which a shortened leg ends [m]."""
 
 
 @frozen(eq=False)
 class Stand:
-    """A place of the moving frame, and the arm's joint position there.
+    """A place of the moving frame, and the arm's joint position at this place.
 
-    `x` (4,) is the position [m] and the share of the turn; `q` (n,) is the joint position [rad or m].
+    `x` (4,) is the position [m] and the completed share of the rotation. `q` (n,) is the joint position [rad
+    or m].
     """
 
     x: Array
@@ -66,7 +72,7 @@ class Stand:
 class Leg:
     """A straight line of the moving frame, cut where it stops being free of collisions.
 
-    `path` leads to the place `x` (4,), which is the share `reached` of the line that was asked for.
+    `path` ends at the place `x` (4,). `reached` is the share of the requested line that `path` covers.
     """
 
     path: CartesianPath
@@ -86,10 +92,10 @@ class Legs:
     Attributes:
         room: the surroundings of the arm.
         line: the straight line from start to goal.
-        more: (K,) largest distance that pairs of bodies may be asked to keep in addition to their margins
-            [m].
+        more: (K,) for each pair of bodies, the largest distance that it may be asked to keep in addition
+            to its margin [m].
         floor: smallest singular value of the Jacobian that is allowed along a leg.
-        left: number of legs that may still be followed.
+        left: number of legs that may be followed until the search ends.
     """
 
     room: Room
@@ -101,7 +107,7 @@ class Legs:
     _padded: dict[float, Room] = field(default_factory=dict)
 
     def pose(self, x: Array) -> Array:
-        """Return the pose (4, 4) of the moving frame for a place (4,): a position and a share of the turn."""
+        """Return the pose (4, 4) of the moving frame at a place (4,)."""
         line = self.line
         if (x == self.goal).all():
             return line.base_from_end
@@ -122,13 +128,17 @@ class Legs:
 
     @property
     def scale(self) -> Array:
-        """The weights (4,) [m] of the four numbers of a place in the distance between two places: 1 for the
-        position, and a lever times the whole angle for the share of the turn.
+        """The weights (4,) by which `length` multiplies the difference of two places.
+
+        The three coordinates have the weight 1. The fourth number is the completed share of the rotation. Its
+        weight converts this share into a length [m], with the lever arm `LEVER`.
         """
         return np.array([1.0, 1.0, 1.0, max(LEVER * self.line.angle, 1e-6)])
 
     def length(self, x: Array, other: Array) -> float:
-        """Return the distance between two places of the moving frame [m]; a turn counts by a lever."""
+        """Return the distance between two places of the moving frame [m]. A rotation is converted into a
+        length by `LEVER`.
+        """
         return float(np.linalg.norm((other - x) * self.scale))
 
     def path(self, stand: Stand, x: Array) -> CartesianPath | float:
@@ -144,8 +154,8 @@ class Legs:
     def between(self, pose: Array, end: Array, q: Array) -> CartesianPath | float:
         """Return the arm's path along the straight line between two poses (4, 4) of the moving frame.
 
-        The arm is at `q` (n,) at the first pose. If it can't follow the whole line, return the share that it
-        can.
+        The arm is at `q` (n,) at the first pose. If the arm can't follow the whole line, return the share of
+        the line that it can follow.
         """
         go_on()
         frame = line_between(pose, end)
@@ -161,23 +171,25 @@ class Legs:
 
         Args:
             stand: where the leg begins.
-            x: (4,) the place to which it leads.
-            padding: distance that bodies keep in addition to their margins, if they do so at start and goal
-                [m].
-            step: approximate motion of bodies between two places that are checked [m].
-            whole: True if only the whole leg is of use, not a part of it.
+            x: (4,) the place at which the requested leg ends.
+            padding: distance that bodies keep in addition to their margins [m]; less for pairs that are
+                close to each other at the start or at the goal.
+            step: approximate motion of bodies from one checked place to the next [m].
+            whole: True to return None unless the whole leg is free.
         """
         share = 1.0
         path = self.path(stand, x)
         if not isinstance(path, CartesianPath):
             if whole or path * self.length(stand.x, x) < SHORTEST:
                 return None
+            # The arm can't follow the whole line: end the leg shortly before the place where it fails.
             share = 0.95 * path
             path = self.path(stand, stand.x + share * (x - stand.x))
             if not isinstance(path, CartesianPath):
                 return None
         free = self._free_until(path, self.padded(padding), step)
         if free < 1.0:
+            # End the leg at some distance from the obstruction.
             free = max(free - _BACK / max(self.length(stand.x, x), 1e-9), 0.0)
             if whole or free * share * self.length(stand.x, x) < SHORTEST:
                 return None
@@ -188,8 +200,8 @@ class Legs:
         return Leg(path, x if share == 1.0 else stand.x + share * (x - stand.x), share)
 
     def padded(self, padding: float) -> Room:
-        """Return the room in which each pair of bodies keeps `padding` in addition to its margin, at most
-        its `more`.
+        """Return the room with enlarged margins: each pair's margin is larger by `padding` [m], but at most
+        by the pair's value in `more`.
         """
         if padding not in self._padded:
             scene = self.room.scene
@@ -200,8 +212,8 @@ class Legs:
         return self._padded[padding]
 
     def _free_until(self, path: CartesianPath, room: Room, step: float) -> float:
-        """Return the last place s before the first check that finds a collision or a singularity; 1 if
-        none does.
+        """Return the progress s of the last checked place before the first collision or singularity; 1 if
+        there is neither.
         """
         places = self._places(path, step)
         for begin in range(0, len(places), _AT_ONCE):
@@ -217,7 +229,9 @@ class Legs:
         return smallest_singular_values(self.room.robot.chain, q, self.room.flange_from_moving)
 
     def _places(self, path: CartesianPath, step: float) -> Array:
-        """Return places s along a path, about `step` [m] of body motion apart; the start isn't included."""
+        """Return the progress s of places on a path that are about `step` [m] of body motion apart. The start
+        isn't included.
+        """
         track = path.followed
         moves = np.abs(np.diff(track.q, axis=0)) @ reaches(self.room.scene, self.room.robot)
         gone = np.concatenate(([0.0], np.cumsum(moves)))
@@ -227,8 +241,11 @@ class Legs:
         return places
 
     def is_proved(self, path: CartesianPath) -> bool:
-        """Return True if a path is proved to be free of collisions: at places close enough together, the
-        clearance is larger than the distance that bodies can move from one place to the next.
+        """Return True if a path is proved to be free of collisions.
+
+        The proof examines places along the path. It succeeds if the clearance at each place is larger than
+        the distance that bodies can move on the way to the next place. As long as a clearance is too small,
+        places are added.
         """
         room, reach = self.padded(_PROVED), reaches(self.room.scene, self.room.robot)
         s = np.concatenate(([0.0], self._places(path, _COARSE)))
@@ -238,6 +255,8 @@ class Legs:
             return False
         while True:
             moves = np.abs(np.diff(q, axis=0)) @ reach
+            # The clearance changes by at most the bodies' motion: a step is proved if the clearances at both
+            # of its ends exceed this motion.
             open_ = (np.minimum(left[1:], left[:-1]) < moves) & (moves > _FINEST)
             if not open_.any():
                 return True

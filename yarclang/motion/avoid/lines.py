@@ -1,9 +1,9 @@
-"""Find a polyline of the moving frame around obstacles, along which the arm keeps its configuration; if the
+"""Find a polyline of the moving frame around obstacles, along which the arm keeps its configuration. If the
 straight line is free, it is the result.
 
-First, polylines of three legs are tried: out of the start in one direction, across, and into the goal in the
-opposite direction. Then two trees of legs grow towards each other. The polyline found is shortened, its
-corners are rounded to few decimals, and all its legs are followed and checked once more, densely.
+First, polylines of three legs are tried: out of the start, across, and into the goal. Then two trees of legs
+grow towards each other, from start and goal. The polyline found is shortened, and its corners are rounded to
+few decimals. Finally, all its legs are followed and checked once more, densely.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class Effort:
     """The parameters of one search for a polyline.
 
     `padding` [m] is the distance that pairs of bodies keep in addition to their margins if possible. `step`
-    [m] is the approximate motion of bodies between two places that are checked. At most `legs` legs are
+    [m] is the approximate motion of bodies from one checked place to the next. At most `legs` legs are
     followed.
     """
 
@@ -42,43 +42,47 @@ class Effort:
 
 
 EFFORTS = (Effort(0.02, 0.03, 350), Effort(0.005, 0.015, 250), Effort(0.0005, 0.01, 150))
-"""Searches made one after the other: first with room to spare, finally close to obstacles."""
+"""Searches that are made one after the other: the first ones keep a distance from obstacles, the last one
+comes close to them.
+"""
 
 QUICK = (Effort(0.01, 0.03, 100),)
-"""Searches for the path of a line for which an earlier search found nothing."""
+"""Searches that are made if an earlier search for the same line found nothing."""
 
 _DISTANCES = (0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.4, 0.55, 0.7)
-"""Lengths of the first and the last of three legs [m]."""
+"""Lengths that are tried for the first and the last of three legs [m]."""
 
 _ACROSS = 40
-"""Number of legs across, from the shortest way on, that are tried at most."""
+"""Largest number of polylines of three legs whose middle leg is tried, the shortest first."""
 
 _BRANCH = 0.5
-"""Longest leg of a tree [m]."""
+"""Greatest length of a leg of a tree [m]."""
 
 _TO_GOAL = 0.15
-"""Share of the samples that are the other end itself."""
+"""Share of the samples that are taken from the stands of the opposite tree."""
 
 _STOP = 0.25
-"""Time that a stop at a corner counts for [s]."""
+"""Time that is added to a polyline's duration for each stop at a corner [s]."""
 
 _ROUNDS = 3
-"""Rounds in which a way is shortened."""
+"""Largest number of passes that shorten a polyline."""
 
 _SAME = 1e-5
-"""Largest difference between joint positions of two trees that meet [rad or m]."""
+"""Largest difference of joint positions up to which two trees count as joined [rad or m]."""
 
 _WAYS = 4
-"""Number of joint positions at the goal from which a search goes back."""
+"""Largest number of inverse-kinematics solutions at the goal that become roots of the tree that grows from
+the goal.
+"""
 
 
 @frozen(eq=False)
 class Course:
     """A polyline of the moving frame from start to goal, which is free of collisions.
 
-    `poses` (k, 4, 4) are the frame's poses at the ends of the k legs, the goal last; `paths` are the arm's
-    paths along the legs. If there is more than one leg, `between` is the obstruction in the straight line, or
-    None if the arm can't follow the straight line.
+    `poses` (k, 4, 4) are the frame's poses at the ends of the k legs, the goal last. `paths` are the arm's
+    paths along the legs. `between` is the obstruction on the straight line from start to goal; None if the
+    straight line is free, or if the arm can't follow it.
     """
 
     poses: Array
@@ -86,8 +90,8 @@ class Course:
     between: Obstruction | None = None
 
     def shares(self, limits: Limits) -> Array:
-        """Return the share of the whole duration that each leg takes (k,), estimated from the joints'
-        speeds.
+        """Return the share of the whole duration that each leg takes, (k,), estimated from the joints'
+        largest speeds.
         """
         times = np.array([_time(path, limits) for path in self.paths])
         shares: Array = times / times.sum()
@@ -112,19 +116,20 @@ def find_course(
         start: (n,) joint position at the start [rad or m], within limits.
         goals: joint positions (n,) at the goal, the nearest first.
         efforts: searches to make one after the other until one finds a polyline.
-        searches: number of polylines to find; the fastest is taken.
+        searches: number of polylines to find; the fastest is returned.
     """
     one = line.base_from_end[None]
     if room is None:
         return NoWay() if straight is None else Course(one, (straight,))
     between: Obstruction | None = None
     if straight is not None:
+        # If the straight line is proved to be free, no search is needed.
         legs = _legs(room, line, start, straight.end, 0)
         if legs.is_proved(straight):
             return Course(one, (straight,))
         between = _between(room, straight)
         if between is None:
-            # nearer to something than the search keeps, or to a singularity, and yet free
+            # The line is free, though closer to bodies or to a singularity than the search would allow.
             return Course(one, (straight,))
     at_start = room.obstruction(start)
     free = [q for q in goals[:_WAYS] if room.obstruction(q) is None]
@@ -135,22 +140,22 @@ def find_course(
         return NoWay(at_start, at_goal)
     tries, nearest = 0, None
     for effort in efforts:
-        found: list[Course] = []
+        courses: list[Course] = []
         for number in range(searches):
             legs = _legs(room, line, start, free[0], effort.legs)
             search = _Search(legs, effort, Stand(legs.start, start), free, number)
             for corners in search.ways():
                 course = _proved(legs, start, _shortened(legs, start, corners, effort, room.robot.limits))
                 if course is not None:
-                    found.append(course)
+                    courses.append(course)
                     break
             tries += legs.followed
             if search.nearest is not None and (
                 nearest is None or _left(legs, search.nearest) < _left(legs, nearest)
             ):
                 nearest = search.nearest
-        if found:
-            best = min(found, key=lambda one: sum(_time(path, room.robot.limits) for path in one.paths))
+        if courses:
+            best = min(courses, key=lambda one: sum(_time(path, room.robot.limits) for path in one.paths))
             return Course(best.poses, best.paths, between)
     furthest = None
     if nearest is not None:
@@ -173,19 +178,19 @@ def _left(legs: Legs, stand: Stand) -> float:
 
 
 def _between(room: Room, path: CartesianPath) -> Obstruction | None:
-    """Return the obstruction in the middle of the blocked places along a path; None if the path is free."""
+    """Return the obstruction at the middle one of the blocked places on a path; None if the path is free."""
     q = path.joints(np.linspace(0.0, 1.0, max(_PLACES, 3 * len(path.followed.s))))
     blocked = np.flatnonzero(room.clearances(q, 0.1) <= 0.0)
     return room.obstruction(q[blocked[len(blocked) // 2]]) if len(blocked) else None
 
 
 _PLACES = 257
-"""Least number of places of a line at which obstructions are looked for."""
+"""Least number of places on a path that are examined for obstructions."""
 
 
 def _ahead(legs: Legs, stand: Stand) -> Obstruction:
-    """Return the first obstruction on the straight line from a stand to the goal, or what comes nearest to
-    being one.
+    """Return the first obstruction on the straight line from a stand to the goal; if there is none, the pair
+    of bodies or the zone that is nearest to a violation.
     """
     path = legs.path(stand, legs.goal)
     if not isinstance(path, CartesianPath):
@@ -202,8 +207,10 @@ def _ahead(legs: Legs, stand: Stand) -> Obstruction:
 
 @dataclass(slots=True)
 class _Tree:
-    """A tree of legs that begins at one stand; `parents` has the index of the previous stand for each
-    stand.
+    """A tree of legs.
+
+    `stands` are the ends of its legs, the roots included. `parents` has, for each stand, the index of the
+    stand from which its leg begins; -1 for a root.
     """
 
     stands: list[Stand]
@@ -219,7 +226,7 @@ class _Tree:
         return len(self.stands) - 1
 
     def way(self, number: int) -> list[Array]:
-        """Return the places (4,) of the frame from the root of the tree to the stand number `number`."""
+        """Return the places (4,) of the frame from the root of the tree to the stand with index `number`."""
         way = []
         while number >= 0:
             way.append(self.stands[number].x)
@@ -262,13 +269,16 @@ class _Search:
             last = None if first is None else self._leg(back, back.x + tail)
             if first is None or last is None:
                 continue
+            # Make the first and the last leg equally long: no longer than the free part of either.
             reach = farthest * min(first.reached, last.reached)
-            for far in _DISTANCES:
-                if far <= reach:
-                    share = np.array([far / (farthest * first.reached)])
-                    stand = Stand(self.start.x + lead * far / farthest, first.path.joints(share)[0])
-                    place = back.x + tail * far / farthest
-                    tried.append((2.0 * far + legs.length(stand.x, place), stand, place))
+            for length in _DISTANCES:
+                if length <= reach:
+                    share = np.array([length / (farthest * first.reached)])
+                    # A first leg of this length is a part of the leg `first`: take the joint position at its
+                    # end from `first`.
+                    stand = Stand(self.start.x + lead * length / farthest, first.path.joints(share)[0])
+                    place = back.x + tail * length / farthest
+                    tried.append((2.0 * length + legs.length(stand.x, place), stand, place))
         tried.sort(key=lambda one: one[0])
         for _, stand, place in tried[:_ACROSS]:
             across = self._leg(stand, place)
@@ -287,14 +297,19 @@ class _Search:
             _Tree([Stand(legs.goal, q) for q in self.goals], [-1] * len(self.goals)),
         )
         low, high = _box(legs)
+        # A redundant arm comes to one place of the frame with as many joint positions as there are ways to
+        # it. So its polylines are tried where the trees meet: they are followed from the start afterwards.
+        redundant = len(self.start.q) > 6
         turn = 0
         while legs.left > 0:
+            # RRT-Connect (Kuffner and LaValle 2000): grow one tree towards a sample, then the other one
+            # towards its new stand, as far as it comes nearer; swap roles.
             here, there = trees[turn], trees[1 - turn]
             turn = 1 - turn
             if random.random() < _TO_GOAL:
                 x = there.stands[int(random.integers(len(there.stands)))].x
             else:
-                # samples spread from the way between start and goal
+                # Samples scatter around the straight line from start to goal, more or less widely.
                 wide = random.random()
                 middle = legs.start + random.random() * (legs.goal - legs.start)
                 x = middle + wide * (low + random.random(4) * (high - low) - middle)
@@ -302,20 +317,20 @@ class _Search:
             if grown is None:
                 continue
             new = here.stands[grown]
-            other = there.nearest(legs, new.x)
+            nearest = there.nearest(legs, new.x)
             while True:
-                met = self._grown(there, other, new.x)
+                met = self._grown(there, nearest, new.x)
                 if met is None:
                     break
                 gone = there.stands[met]
                 if (gone.x == new.x).all():
-                    if np.abs(gone.q - new.q).max() < _SAME:
+                    if redundant or np.abs(gone.q - new.q).max() < _SAME:
                         one, two = here.way(grown), there.way(met)[:-1][::-1]
                         yield [*one, *two] if here is trees[0] else [*one, *two][::-1]
                     break
-                if legs.length(gone.x, new.x) >= legs.length(there.stands[other].x, new.x):
+                if legs.length(gone.x, new.x) >= legs.length(there.stands[nearest].x, new.x):
                     break
-                other = met
+                nearest = met
 
     def _grown(self, tree: _Tree, parent: int, x: Array) -> int | None:
         """Grow a tree from one of its stands towards a place, by at most the length `_BRANCH`.
@@ -335,7 +350,7 @@ class _Search:
 
 
 def _box(legs: Legs) -> tuple[Array, Array]:
-    """Return the lowest and the highest corner (4,) of the box in which places of the frame are drawn."""
+    """Return the lowest and the highest corner (4,) of the box from which places of the frame are sampled."""
     size = arm_length(legs.room.robot.chain, legs.room.flange_from_moving)
     low = np.minimum(legs.start, legs.goal) - 0.5 * size
     high = np.maximum(legs.start, legs.goal) + 0.5 * size
@@ -344,15 +359,18 @@ def _box(legs: Legs) -> tuple[Array, Array]:
 
 
 def _directions(legs: Legs) -> Iterator[tuple[Array, Array]]:
-    """Yield pairs of unit vectors (3,), out of the start and out of the goal: along the axes of the frame
-    there, its z axis first, along the axes of {B}, and between them.
+    """Yield pairs of unit vectors (3,): the direction out of the start, and the direction from the goal
+    outwards.
+
+    First come the axes of the frame at start and goal, beginning with z; then the axes of {B} and the
+    diagonals between them. No pair comes twice: an upright frame has the same axes as {B}.
     """
     ends = legs.line.base_from_start, legs.line.base_from_end
-    for axis in (2, 0, 1):
-        for sign in (-1.0, 1.0):
-            yield sign * ends[0][:3, axis], sign * ends[1][:3, axis]
+    own = [(sign * ends[0][:3, axis], sign * ends[1][:3, axis]) for axis in (2, 0, 1) for sign in (-1.0, 1.0)]
+    yield from own
     for way in _AXES:
-        yield way, way
+        if not any(np.allclose(way, pair, rtol=0.0, atol=1e-6) for pair in own):
+            yield way, way
 
 
 _AXES = [
@@ -366,7 +384,9 @@ _AXES = [
 
 
 def _shortened(legs: Legs, start: Array, corners: list[Array], effort: Effort, limits: Limits) -> list[Array]:
-    """Return a faster polyline: corners that aren't needed are left out, the others are moved inwards."""
+    """Return a polyline that takes less time: with fewer corners, and with the other corners moved
+    inwards.
+    """
 
     def follow(way: list[Array]) -> float | None:
         """Return the estimated duration of a polyline [s]; None if it isn't free of collisions."""
@@ -386,6 +406,7 @@ def _shortened(legs: Legs, start: Array, corners: list[Array], effort: Effort, l
         before = best
         number = 1
         while number < len(corners) - 1:
+            # Leave out a corner if the polyline is faster without it.
             fewer = [*corners[:number], *corners[number + 1 :]]
             time = follow(fewer)
             if time is not None and time < best:
@@ -393,6 +414,8 @@ def _shortened(legs: Legs, start: Array, corners: list[Array], effort: Effort, l
             else:
                 number += 1
         for number in range(1, len(corners) - 1):
+            # Move a corner towards the midpoint of its neighbours: by the largest of these shares of the
+            # distance that makes the polyline faster.
             for share in (0.5, 0.25, 0.1):
                 middle = (corners[number - 1] + corners[number + 1]) / 2.0
                 moved = list(corners)
@@ -425,5 +448,7 @@ def _proved(legs: Legs, start: Array, corners: list[Array]) -> Course | None:
 
 def _time(path: CartesianPath, limits: Limits) -> float:
     """Estimate the duration of a leg, with the stop at its end [s]."""
+    # Estimate: each joint moves at its largest speed along its whole travel, back and forth. The joint that
+    # takes longest decides.
     moves = np.abs(np.diff(path.followed.q, axis=0)).sum(axis=0)
     return float((moves / limits.velocity).max()) + _STOP

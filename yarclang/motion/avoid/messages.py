@@ -27,14 +27,14 @@ _SHOWN = 4
 
 
 def way_round(robot: Robot, way: Way, step: AvoidMove) -> Message:
-    """Return the finding that a joint motion makes a detour around obstacles, with its way-points."""
+    """Return the finding that a joint motion makes a detour around obstacles, with its waypoints."""
     count = len(way.waypoints) - 1
-    in_way = inside(way.between) if way.between is not None else "something is in the straight way"
+    in_way = inside(way.between) if way.between is not None else "the straight path is blocked"
     message = (
-        f"the straight way isn't free: {in_way}; a way round was found, through {count} "
-        f"way-point{'s' * (count != 1)}"
+        f"the straight path isn't free: {in_way}; a detour was found, through {count} "
+        f"waypoint{'s' * (count != 1)}"
     )
-    help_ = "MOVEJ_SPLINE with these way-points goes the same way, whatever the cell becomes"
+    help_ = "MOVEJ_SPLINE through these waypoints keeps this path, also if the cell changes"
     return "Y0920", message, step.origin.span, help_, _as_spline(robot, way, step)
 
 
@@ -48,14 +48,14 @@ def way_of_lines(course: Course, step: Motion) -> Message:
     places = ", ".join(" ".join(f"{value + 0.0:.1f}" for value in one) for one in corners[:_SHOWN])
     more = f", and {count - _SHOWN} more" if count > _SHOWN else ""
     message = (
-        f"the straight line isn't free: {why}; a way round was found, with {count} "
-        f"corner{'s' * (count != 1)} at {places}{more} (mm) {{B}}"
+        f"the straight line isn't free: {why}; a detour was found, with {count} corner{'s' * (count != 1)} "
+        f"at {places}{more} (mm) {{B}}"
     )
     return (
         "Y0920",
         message,
         step.origin.span,
-        "MOVEL to these places goes the same way, whatever the cell becomes",
+        "MOVEL to these corners keeps this path, also if the cell changes",
         None,
     )
 
@@ -63,104 +63,108 @@ def way_of_lines(course: Course, step: Motion) -> Message:
 def no_way(robot: Robot, why: NoWay, origin: Origin) -> Message:
     """Return the finding that no path around obstacles exists, or that none was found.
 
-    It names the obstruction at the start, at the goal, or in between.
+    It names the obstruction at the start, at the goal, or on the way between the two.
     """
     if why.start is not None:
-        message = f"there is no way from where the robot stands: {inside(why.start)}"
+        message = f"no path can begin at the robot's position: {inside(why.start)}"
         if why.goal is not None:
-            message += f"; nor to the target: {inside(why.goal)}"
-        help_ = "end the motion before this one where the robot is free; or correct the cell.toml"
+            message += f"; none can end at the target: {inside(why.goal)}"
+        help_ = "end the motion before this one at a free position, or correct the cell.toml"
         return "Y0921", message, origin.span, help_, None
     if why.goal is not None:
-        message = f"there is no way to the target: {inside(why.goal)}"
-        return "Y0922", message, origin.span, "move the target away from it; or correct the cell.toml", None
+        message = f"no path can end at the target: {inside(why.goal)}"
+        return "Y0922", message, origin.span, "move the target away from it, or correct the cell.toml", None
     if why.parting is not None:
-        message = f"there is no way to the joint positions of the target: {parted(robot, why.parting)}"
+        message = f"no path exists to the joint positions of the target: {parted(robot, why.parting)}"
         return (
             "Y0923",
             message,
             origin.span,
-            "take a target on this side, or change the zone in the cell.toml",
+            "choose a target on the start's side of the zone, or change the zone in the cell.toml",
             None,
         )
-    message = f"no way round was found {tried(robot, why)}"
-    help_ = "go there in two motions, by a via pose in the open; or by another configuration (NEAR)"
+    message = f"no free path was found {tried(robot, why)}"
+    help_ = (
+        "move in two steps, through a via pose away from the obstacles, or to another configuration (NEAR)"
+    )
     if why.is_cut:
         help_ += (
-            "; among so many bodies the search has ended early, and --avoid-effort 4 goes on four times as "
-            "long"
+            "; with so many bodies the search was cut short: --avoid-effort 4 searches four times as long"
         )
     return "Y0923", message, origin.span, help_, None
 
 
 def tried(robot: Robot, why: NoWay) -> str:
-    """Return a clause with the number of samples tried, a reminder that they prove nothing, and the place at
-    which the search came nearest to the goal.
+    """Return a clause about a failed search: the number of its tries, the place at which it came nearest to
+    the goal, and a reminder that a path may still exist.
     """
-    said = f"in {why.tries:,} tries, which doesn't prove that there is none: "
+    said = f"in {why.tries:,} tries (one may still exist): "
     if why.has_corners:
-        said += "there is a way with corners, but no smooth one along it was proved to be free"
-        return said + (f"; on the straight way {inside(why.between)}" if why.between is not None else "")
+        said += "a path with corners is free, but no smooth path along it was proved to be free"
+        return said + (f"; on the straight path {inside(why.between)}" if why.between is not None else "")
     if why.furthest is None:
-        between = f"; on the straight way {inside(why.between)}" if why.between is not None else ""
+        between = f"; on the straight path {inside(why.between)}" if why.between is not None else ""
         return f"{said}start and target are free{between}"
     far = why.furthest
     units = ",".join(dict.fromkeys(robot.axis_unit_names))
     place = f"{_written(robot, far.q, 1)} ({units}), {far.left / MM:.0f} mm from the target"
-    return f"{said}it came as far as {place}; from there on {in_way(far.blocked)}"
+    return f"{said}the search came as far as {place}; beyond, {in_way(far.blocked)}"
 
 
 def parted(robot: Robot, parting: Parting | Barrier) -> str:
-    """Return a clause that names the zone that separates start and target, and the joint or the item that
-    can't get past this zone.
+    """Return a clause that names the zone that separates start and target, and the joint or the watched item
+    that can't get past this zone.
     """
     if isinstance(parting, Barrier):
         return (
-            f"zone {parting.name}, which the arm can't reach past, lies between where {parting.item} is and "
-            "where it shall be"
+            f"zone {parting.name} separates the positions of {parting.item} at start and target, and the "
+            "arm can't reach past the zone"
         )
     joint, unit = parting.joint, robot.axis_units[parting.joint]
     return (
         f"zone {parting.name} forbids {robot.joint_names[joint]} from {parting.lower / unit:.6g} to "
-        f"{parting.upper / unit:.6g} {robot.axis_unit_names[joint]}, and start and target are on either "
-        "side of it"
+        f"{parting.upper / unit:.6g} {robot.axis_unit_names[joint]}, and start and target are on opposite "
+        "sides of this range"
     )
 
 
 def configuration_blocked(
     robot: Robot, step: Motion, taken: Array, nearest: tuple[Array, Obstruction], which: str
 ) -> Message:
-    """Return the finding that another inverse-kinematics solution was taken, because the nearest one
-    collides.
+    """Return the finding that the arm takes another configuration than the nearest one, because it would
+    collide in the nearest one.
     """
     origin = step.origin
     message = (
-        f"{which}this target isn't taken in the nearest configuration{differs(robot, taken, nearest[0])}: "
-        f"with that, {inside(nearest[1])}"
+        f"{which}the target isn't reached in the nearest configuration{differs(robot, taken, nearest[0])}: "
+        f"in the nearest one, {inside(nearest[1])}"
     )
-    help_ = "NEAR with a joint position in this configuration says that it is meant"
+    help_ = "NEAR with a joint position in this configuration states that it is intended"
     return "Y0924", message, origin.span, help_, None if which else near_fix(robot, origin, taken)
 
 
 def configuration_without_way(
     robot: Robot, step: Motion, taken: Array, nearest: Array, why: NoWay
 ) -> Message:
-    """Return the finding that another inverse-kinematics solution was taken, because no path to the nearest
-    one was found.
+    """Return the finding that the arm takes another configuration than the nearest one, because no path to
+    the nearest one was found.
     """
     origin = step.origin
     message = (
-        f"this target isn't taken in the nearest configuration{differs(robot, taken, nearest)}: no way to "
-        f"that was found{f', {inside(why.between)} on the straight one' if why.between is not None else ''}"
+        f"the target isn't reached in the nearest configuration{differs(robot, taken, nearest)}: no free "
+        "path to the nearest one was "
+        f"found{f', {inside(why.between)} on the straight path' if why.between is not None else ''}"
     )
-    help_ = "NEAR with a joint position in this configuration says that it is meant"
+    help_ = "NEAR with a joint position in this configuration states that it is intended"
     return "Y0924", message, origin.span, help_, near_fix(robot, origin, taken)
 
 
 def every_configuration_blocked(
     robot: Robot, step: Motion, blocked: Sequence[tuple[Array, Obstruction]], which: str
 ) -> Message:
-    """Return the finding that all inverse-kinematics solutions of a target pose collide."""
+    """Return the finding that the arm would collide in every configuration by which it reaches a target
+    pose.
+    """
     first = {one.names: one for _, one in reversed(blocked)}
     reasons = [inside(first[names]) for names in dict.fromkeys(one.names for _, one in blocked)]
     count = len(blocked)
@@ -169,8 +173,20 @@ def every_configuration_blocked(
     message = (
         f"{which}{all_} that {robot.name} has for this target is blocked: {'; '.join(reasons[:_SHOWN])}{more}"
     )
-    help_ = "move the target away from it, turn the tool, or correct the cell.toml"
-    return "Y0925", message, step.origin.span, help_, None
+    return "Y0925", message, step.origin.span, _remedy([one for _, one in blocked]), None
+
+
+def _remedy(blocked: Sequence[Obstruction]) -> str:
+    """Return a remedy for a target that is blocked by bodies, zones or rules of KEEP."""
+    if any(_is_rule(one) for one in blocked):
+        return "change the target, or allow more in the KEEP"
+    if any(one.is_zone for one in blocked):
+        return "move the target to the allowed side of the zone, or correct the zone in the cell.toml"
+    return "move the target away from it, turn the tool, or correct the cell.toml"
+
+
+def _is_rule(one: Obstruction) -> bool:
+    return one.is_tilt or one.aim is not None or (one.is_zone and one.names[1].startswith("KEEP "))
 
 
 _BLOCKED = "Y0925"
@@ -179,15 +195,16 @@ _BLOCKED = "Y0925"
 def with_changes(
     told: Message, goal: PoseGoal, changes: tuple[Change, ...], origin: Origin, *, is_alone: bool
 ) -> Message:
-    """Add helpful changes of the target to a message about a pose that can't be taken; the first change is
-    given with its numbers.
+    """Extend the finding that a target pose can't be reached, or only with a collision: add changes of the
+    pose that would help. The first change is given with its numbers.
 
     Args:
-        told: the message.
+        told: the finding.
         goal: the target pose.
         changes: the changes that help; empty if none of those tried helps.
         origin: the command that gives the pose.
-        is_alone: True if the command has no other way-point: then the first change may be offered as a fix.
+        is_alone: True if the pose is the command's only waypoint. Only then, the first change is
+            offered as a fix.
     """
     code, message, span, help_, _ = told
     if changes:
@@ -196,18 +213,20 @@ def with_changes(
         return code, message, span, f"{changes_text(changes, origin, how)}; {help_}", fix
     if code != _BLOCKED:
         return told
-    tried = f"neither z reversed, nor a turn about z, nor a move of up to {FARTHEST:g} mm frees it"
-    return code, message, span, f"{tried}: move the target farther away, or correct the cell.toml", None
+    tried = f"the pose stays blocked with z reversed, turned about z, and moved by up to {FARTHEST:g} mm"
+    return code, message, span, f"{tried}: {help_}", None
 
 
 def inside(one: Obstruction) -> str:
-    """Return words for an obstruction, as the end of a sentence."""
+    """Return a description of an obstruction, for the end of a sentence."""
     moving, other = one.names
     if one.is_tilt:
         return f"{moving} tilts {max(one.distance / DEG, 0.001):.3g} deg more than {other} allows"
     if one.aim is not None:
         angle, distance = one.aim
         return f"{moving} breaks {other}, {angle / DEG:.4g} deg off the axis and {distance / MM:,.4g} mm away"
+    if _is_rule(one):
+        return f"{moving} is {max(one.distance / MM, 0.01):.3g} mm lower than {other} allows"
     if one.is_zone:
         return (
             f"{JOINTS} break the zone {other}"
@@ -220,7 +239,9 @@ def inside(one: Obstruction) -> str:
 
 
 def in_way(one: Obstruction) -> str:
-    """Return words for an obstruction, or for the item nearest to being one, as the end of a sentence."""
+    """Return a description of an obstruction, for the end of a sentence. If nothing is violated, `one` is the
+    pair of bodies or the zone that is nearest to a violation.
+    """
     moving, other = one.names
     if one.is_zone and one.distance <= 0.0:
         return f"zone {other} leaves {moving} too little room"
@@ -230,8 +251,8 @@ def in_way(one: Obstruction) -> str:
 
 
 def _as_spline(robot: Robot, way: Way, step: AvoidMove) -> Fix | None:
-    """Return a fix that declares the way-points of a detour and writes MOVEJ_SPLINE through them; None if the
-    command's line is executed in several places of the program.
+    """Return a fix that writes a detour into the program: it declares the waypoints and replaces the command
+    by a MOVEJ_SPLINE through them. None if the command's line is executed in several places of the program.
     """
     origin = step.origin
     if not origin.index or ">" in origin.place or "(" in origin.place:
@@ -254,13 +275,11 @@ def _as_spline(robot: Robot, way: Way, step: AvoidMove) -> Fix | None:
         Edit(origin.name_span, origin.name.replace("_AVOID", "").replace("MOVEJ", "MOVEJ_SPLINE", 1)),
         Edit(origin.values_span, "".join(f"{name}; " for name in names)),
     )
-    return Fix("write the way found as MOVEJ_SPLINE", edits, by_choice=True)
+    return Fix("write the path found as MOVEJ_SPLINE", edits, by_choice=True)
 
 
 def _written(robot: Robot, q: Array, fine: int = 4) -> str:
-    """Return a joint position as text, with at most `fine` decimals per number; way-points are given with
-    two.
-    """
+    """Return a joint position as text, with at most `fine` decimals per number."""
     return " ".join(
         f"{value:.{fine}f}".rstrip("0").rstrip(".") for value in np.round(q / robot.axis_units, fine) + 0.0
     )

@@ -1,6 +1,6 @@
-"""Detect forbidden zones that certainly separate two joint positions, without a search.
+"""Detect, without a search, forbidden zones that certainly separate two joint positions.
 
-No motion between the two gets past such a zone, whatever the other joints do.
+If there is such a zone, no motion leads from one of the two joint positions to the other.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from yarclang.shapes import Box
 
 @frozen
 class Parting:
-    """A forbidden range of a single joint, which lies between start and goal.
+    """A forbidden range of a single joint, with start and goal on opposite sides of this range.
 
     The zone `name` forbids the positions from `lower` to `upper` [rad or m] of joint number `joint`, counted
     from 0.
@@ -36,9 +36,10 @@ class Parting:
 
 @frozen
 class Barrier:
-    """A forbidden box that the arm can't reach past: the zone `name`.
+    """A forbidden box that the arm can't get past.
 
-    At the start and at the goal, the watched `item` is on opposite sides of the box.
+    `name` is the name of the zone. The watched `item` is on one side of the box at the start, and on the
+    opposite side at the goal.
     """
 
     name: str
@@ -68,7 +69,7 @@ def _window(limits: Limits, watch: Watch, start: Array, goal: Array) -> Parting 
     joint = int(np.argmax(narrows))
     lower, upper = float(window.lower[joint]), float(window.upper[joint])
     low, high = sorted((float(start[joint]), float(goal[joint])))
-    # A window narrower than the resolution of the proof separates nothing.
+    # A range narrower than the resolution of the proof separates nothing.
     if low <= lower and upper <= high and upper - lower > 4.0 * WINDOW_SLACK:
         return Parting(watch.zone.name, joint, lower, upper)
     return None
@@ -77,8 +78,8 @@ def _window(limits: Limits, watch: Watch, start: Array, goal: Array) -> Parting 
 def _barrier(room: Room, watch: Watch, start: Array, goal: Array) -> Barrier | None:
     """Return a box zone as a barrier between start and goal; None if a point might get past the box.
 
-    A box is a barrier if the watched item can't reach the box's other faces: a point of the item would then
-    have to go through the box.
+    A box is a barrier if start and goal are beyond two opposite faces, and the watched item can't reach the
+    other four faces. Every motion from one side to the other then goes through the box.
     """
     region, item = watch.zone.region, watch.item
     if item is None or watch.zone.posture is not None:
@@ -88,8 +89,7 @@ def _barrier(room: Room, watch: Watch, start: Array, goal: Array) -> Barrier | N
     middle, radius = _reach(room.robot.chain, room.robot.limits, item)
     turn, origin = region.base_from_shape[:3, :3], region.base_from_shape[:3, 3]
     half = region.shape.size / 2.0
-    # Axes of the box in which the ball of the item's point is inside of the box's faces: the point can't pass
-    # the box sideways in these directions.
+    # True for each axis of the box along which the item's point always stays between the two faces.
     covered = np.abs((middle - origin) @ turn) + radius < half
     posed = Arm.at(room.scene, np.stack([start, goal])).of(item)
     sides = (posed.point(item.points[0]) - origin) @ turn
@@ -105,17 +105,19 @@ def _barrier(room: Room, watch: Watch, start: Array, goal: Array) -> Barrier | N
 
 
 def _reach(chain: Chain, limits: Limits, item: Item) -> tuple[Array, float]:
-    """Return a ball that the first point of a watched item never leaves, as its center (3,) in {B} and radius
-    [m].
+    """Return a ball that the first point of a watched item never leaves, as its center (3,) in {B} and its
+    radius [m].
 
-    A turn about an axis keeps the distances to points of the axis. From the item to the first axis, the
-    distances from one axis to the nearest point of the next therefore add up, together with the travel of all
-    prismatic joints.
+    A rotation doesn't change the distance of a point from any point on the rotation axis. The radius is
+    therefore a sum of distances: from the item's point to the nearest point on the last axis, from there to
+    the nearest point on the axis before, and so on to the first axis. The travel of all prismatic joints is
+    added.
     """
     lines, way = lines_of(chain), np.maximum(np.abs(limits.lower), np.abs(limits.upper))
     point, radius = item.points[0], 0.0
     for joint in reversed(range(item.joint)):
         slide = abs(float(lines.slide[joint]))
+        # Add the travel of a sliding joint, in either direction.
         radius += slide * float(way[joint]) if slide else 0.0
         if lines.turn[joint]:
             axis, origin = lines.axes[joint], lines.points[joint]

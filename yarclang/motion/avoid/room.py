@@ -1,5 +1,5 @@
-"""Describe the surroundings in which a path is searched for: joint limits, bodies, zones, and the levers by
-which joints move the bodies.
+"""Describe the surroundings in which a path is searched for: joint limits, bodies, zones, and the lever arms
+by which joints move the bodies.
 """
 
 from __future__ import annotations
@@ -29,26 +29,28 @@ from yarclang.robot.kinematics.search import within
 from yarclang.robot.model import Robot
 
 _POSITIONS = 64
-"""Number of joint positions, spread over the limits, from which the joints' levers are estimated."""
+"""Number of joint positions, spread over the joint limits, from which the joints' lever arms are
+estimated.
+"""
 
 _LEAST_REACH = 0.1
-"""Least lever of a joint [m/rad]."""
+"""Least lever arm of a joint [m/rad]; a smaller estimate is raised to it."""
 
 
 _AT_ONCE = 16
 """Number of joint positions that are checked together."""
 
 TOUCH = 1e-6
-"""Distance beyond which bodies are ignored if only obstructions matter [m]."""
+"""Clearance above which pairs of bodies needn't be measured exactly, if only violations matter [m]."""
 
 
 @frozen(eq=False)
 class Obstruction:
     """The worst violation at a joint position: two bodies too close, or a watched item that breaks a zone.
 
-    For two bodies, their distance is given [m]. For a zone, it is by how much the zone is broken [m; rad or m
-    for joints; rad for a tilt; either for a sight]. `aim` is the angle [rad] and the distance [m] of a point
-    from the apex of its cone.
+    For two bodies, `distance` is the distance between them [m]. For a zone, it is the amount by which the
+    zone is violated: in m for a body, rad for a tilt, and rad or m for joints and for a cone. For a cone,
+    `aim` has the point's angle from the cone's axis [rad] and its distance from the apex [m].
     """
 
     names: tuple[str, str]
@@ -60,7 +62,7 @@ class Obstruction:
 
 @frozen(eq=False)
 class Room:
-    """The surroundings of a robot while a frame is moved: the bodies that may collide, and all zones but
+    """The surroundings of a robot while a frame is moved: the bodies that may collide, and all zones except
     those that only limit speed.
 
     `flange_from_moving` (4, 4) is the pose of the moved frame on the flange [m].
@@ -92,8 +94,8 @@ class Room:
         return self._broken(watch, -by, q)
 
     def nearest(self, q: Array) -> Obstruction:
-        """Return the worst violation at a joint position (n,) [rad or m]; if there is none, the pair of
-        bodies or the zone that is nearest to one.
+        """Return the worst violation at a joint position (n,) [rad or m]. If there is none, return the pair
+        of bodies with the least clearance; without bodies, the zone that is nearest to being violated.
         """
         found = self.obstruction(q)
         if found is not None:
@@ -122,7 +124,8 @@ class Room:
     def obstructions(self, q: Iterable[Array]) -> Iterator[Obstruction | None]:
         """Yield the result of `obstruction` for each of several joint positions (n,) [rad or m].
 
-        Each is computed only when it is requested. Positions that differ by full turns are computed once.
+        Each result is computed only when it is requested. A collision of bodies found at one position is
+        reused for all positions that differ from it only by full turns of joints.
         """
         known = dict[bytes, Obstruction]()
         for one in q:
@@ -133,10 +136,11 @@ class Room:
             yield found
 
     def free_among(self, q: Sequence[Array]) -> Iterator[Array]:
-        """Yield those of several joint positions (n,) that are free of obstructions, in their order.
+        """Yield those of several joint positions (n,) that are free of obstructions, in the given order.
 
-        `_AT_ONCE` positions are checked together, and later ones only if they are requested. Positions that
-        differ by full turns are checked once, unless a zone is about joints.
+        `_AT_ONCE` positions are checked together; further ones are checked only when the caller asks for
+        more. Of positions that differ only by full turns, only one is checked, unless a zone limits joint
+        positions.
         """
         is_once = not any(_of_joints(watch) for watch in self.watches)
         known = dict[bytes, bool]()
@@ -147,7 +151,8 @@ class Room:
             if new:
                 is_free = self.clearances(np.array(list(new.values())), TOUCH) > 0.0
                 known.update(zip(new, is_free.tolist(), strict=True))
-            # The check of a single position decides.
+            # The check of several positions together only excludes positions: `obstruction` decides about
+            # those that passed.
             yield from (
                 one
                 for key, one in zip(keys, part, strict=True)
@@ -157,15 +162,17 @@ class Room:
     def _apart_from_turns(self, q: Array) -> bytes:
         """Return a key that is equal for joint positions (n,) that differ by full turns."""
         turning = ~self.robot.chain.is_prismatic & (links_of(self.robot.chain).slide == 0.0)
+        # Reduce revolute joints to the range from -180 to 180 deg. Adding 0.0 turns -0.0 into 0.0, since the
+        # two differ as bytes.
         turned = np.where(turning, q - 2.0 * np.pi * np.round(q / (2.0 * np.pi)), q)
         return bytes((np.round(turned, 9) + 0.0).tobytes())
 
     def clearances(self, q: Array, near: float) -> Array:
-        """Return the least reserve at each of N joint positions (N, n), as (N,) [m; rad or m for a joint
+        """Return the least reserve at each of N joint positions `q` (N, n), as (N,) [m; rad or m for a joint
         window].
 
-        The reserve of a pair of bodies is its distance less its margin; that of a zone is its distance from
-        being broken. The reserve is negative if something is in the way. Values above `near` are given as
+        The reserve of a pair of bodies is its distance minus its margin. The reserve of a zone is the
+        distance from violating it. A negative reserve is a violation. Values above `near` are given as
         `near`.
         """
         left = self.spare(q, near)
@@ -174,16 +181,18 @@ class Room:
         return left
 
     def spare(self, q: Array, near: float) -> Array:
-        """Return the least distance less margin among all pairs of bodies at each of N joint positions (N,
-        n), as (N,) [m].
+        """Return the least clearance of bodies at each of N joint positions `q` (N, n), as (N,) [m].
 
-        Values above `near` are given as `near`.
+        The clearance of a pair of bodies is its distance minus its margin. Values above `near` are given as
+        `near`.
         """
         scene, left = self.scene, np.full(len(q), near)
         count = len(scene.pairs.first)
         if count:
             placed = place(scene, q)
             at, pair = np.repeat(np.arange(len(q)), count), np.tile(np.arange(count), len(q))
+            # Compare bounding spheres, then bounding boxes, then the bodies themselves: each more exact
+            # comparison gets only the pairs that may be close.
             close = np.flatnonzero(sphere_gaps(placed, at, pair) - scene.pairs.margin[pair] < near)
             at, pair = at[close], pair[close]
             seen = relative(placed, at, pair)
@@ -194,13 +203,13 @@ class Room:
         return left
 
     def is_free(self, q: Array) -> bool:
-        """Return True if a joint position (n,) has no collision and breaks no zone. The inside of hollow
-        meshes isn't examined.
+        """Return True if a joint position (n,) has no collision and violates no zone. Bodies inside a hollow
+        mesh aren't detected.
         """
         return plain_free_space(self.scene).has(q) and self._keeps(q)
 
     def doubts(self, course: Course, more: Array | float = 0.0) -> Array:
-        """Return times (T,) at which a motion isn't proved to be free of collisions; empty if the proof
+        """Return times (T,) [s] at which a motion isn't proved to be free of collisions; empty if the proof
         succeeds.
 
         Args:
@@ -219,7 +228,7 @@ class Room:
     def padding(self, start: Array, goal: Array, most: float) -> Array:
         """Return the distance that each pair of bodies should keep in addition to its margin, (K,) [m].
 
-        It is `most`, or half of the pair's reserve at start and goal if that is less.
+        This distance is `most`, but at most half of the pair's clearance at the start and at the goal.
         """
         least = np.minimum(gaps(self.scene, start), gaps(self.scene, goal))
         return np.clip(least / 2.0, 0.0, most)
@@ -240,10 +249,10 @@ class Room:
 
 
 JOINTS = "the joints"
-"""The watched item of a joint window."""
+"""Name that findings give to the watched item of a joint window."""
 
 _INSIDE = 1e-5
-"""Distance that a path keeps from the borders of zones [m]; a smaller one couldn't be proved."""
+"""Distance that a path keeps from the borders of zones [m], since a path on the border couldn't be proved."""
 
 
 def _of_joints(watch: Watch) -> bool:
@@ -268,10 +277,10 @@ def room_of(robot: Robot, cell: Cell | None, moving: Moving) -> Room | None:
 
 @lru_cache(maxsize=32)
 def reaches(scene: Scene, robot: Robot) -> Array:
-    """Return, for each joint, the approximate largest lever by which it moves any body, (n,) [m/rad, or 1 for
-    a prismatic joint].
+    """Return for each joint the approximate greatest lever arm by which it moves a body, (n,) [m/rad, or 1
+    for a prismatic joint].
 
-    The levers make distances in joint space comparable.
+    Multiplied by their lever arms, motions of different joints can be compared.
     """
     q = within(robot.chain, robot.limits, _POSITIONS)
     arms: Array = arm_lengths(place(scene, q)).max(axis=(1, 2), initial=_LEAST_REACH)

@@ -1,8 +1,8 @@
 """Find a polyline through joint space by OMPL's RRT-Connect and shortcuts.
 
-OMPL's random numbers come from one seed, which is set before any object of OMPL is created. A search ends by
-the number of its samples, never by a clock. The same question therefore has the same answer in every process,
-whatever was asked before. OMPL has one random generator for all threads, so no two threads may search at
+OMPL's random numbers come from one seed, which is set before any object of OMPL is created. A search ends
+after a number of samples, never after a time. Therefore equal questions have equal answers in every process,
+whatever was asked before. All threads share OMPL's one random generator, so no two threads may search at
 once.
 """
 
@@ -25,9 +25,9 @@ class Effort:
 
     `padding` [m] is the distance that pairs of bodies keep in addition to their margins if possible. `step`
     [m] is the approximate motion of bodies between two joint positions that are checked. At most `samples`
-    samples are drawn, with the random numbers of `seed`. `lines` is the number of straight lines by which the
-    tool is first drawn out of start and goal (`backing`). With `is_for_lines`, the search is skipped if no
-    such line leads out of either.
+    samples are drawn, with the random numbers of `seed`. `lines` is the number of straight lines, one after
+    the other, by which the tool is first drawn out of start and goal (`backing`). With `is_for_lines`, the
+    search is skipped if such lines exist neither at the start nor at the goal.
     """
 
     padding: float
@@ -40,11 +40,11 @@ class Effort:
 
 @frozen(eq=False)
 class Question:
-    """The input of a search: a path is wanted from any of several starts to any of several goals.
+    """The input of a search: a path from any of several starts to any of several goals.
 
-    `starts` (k, n) and `goals` (m, n) are joint positions [rad or m] within limits. `reach` (n,) is the scale
-    of each joint [m/rad or 1]. `free` is a function that returns True for joint positions without collision.
-    `is_over` is a function that returns True to end the search before its samples are used up.
+    `starts` (k, n) and `goals` (m, n) are joint positions [rad or m] within limits. `reach` (n,) is the lever
+    arm of each joint [m/rad or 1]. `free` is a function that returns True for joint positions without
+    collision. `is_over` is a function that returns True to end the search before its samples are used up.
     """
 
     starts: Array
@@ -57,10 +57,11 @@ class Question:
 
 @frozen(eq=False)
 class Apart:
-    """The result of a search that found no path: where its two trees come nearest to each other.
+    """The result of a search that found no path: the joint positions at which its two trees come nearest to
+    each other.
 
-    `q` (n,) is a joint position reached from the starts, and `beyond` (n,) one from which a goal is reached.
-    `left` is the distance between the two [m, of bodies]. `tries` is the number of samples drawn.
+    `q` (n,) is in the tree that grows from the starts, and `beyond` (n,) in the one from the goals. `left` is
+    the distance between them, as an approximate motion of bodies [m]. `tries` is the number of samples drawn.
     """
 
     q: Array
@@ -70,21 +71,22 @@ class Apart:
 
 
 _RANGE = 1.0
-"""Longest branch of a search tree [m, of bodies]."""
+"""Greatest length of a branch of a search tree, as an approximate motion of bodies [m]."""
 
 _INNER = 0.01
-"""Distance that polylines keep from the joint limits [rad or m], so that a curve through them has room to
-swing.
+"""Distance that polylines keep from the joint limits [rad or m], since the curve through their corners may
+overshoot.
 """
 
 _FARTHEST = 6.4
-"""Largest motion of a joint without limits from its start or goal [rad or m]."""
+"""Largest distance from the start or the goal that is searched for a joint without limits [rad or m]."""
 
 
 def polyline(question: Question, effort: Effort) -> Array | Apart:
     """Return the corners (k, n) [rad or m] of a joint-space polyline from a start to a goal, both included.
 
-    If no polyline is found, the result says where the two search trees come nearest to each other.
+    If no polyline is found, return the joint positions at which the two search trees come nearest to each
+    other.
     """
     from ompl import base, geometric, util
 
@@ -94,6 +96,8 @@ def polyline(question: Question, effort: Effort) -> Array | Apart:
     low, high = bounds_of(question)
     bounds = base.RealVectorBounds(size)
     for joint in range(size):
+        # OMPL measures distances between states without weights: scale each joint by its lever, so that these
+        # distances are approximately the motion of bodies.
         bounds.setLow(joint, float(low[joint] * scale[joint]))
         bounds.setHigh(joint, float(high[joint] * scale[joint]))
     space = base.RealVectorStateSpace(size)
@@ -102,7 +106,8 @@ def polyline(question: Question, effort: Effort) -> Array | Apart:
     around = base.SpaceInformation(space)
     joints, free = range(size), question.free
 
-    # The checker must not hold a reference to its owner, since neither would then ever be freed.
+    # The checker must not hold a reference to the object that owns it; otherwise neither of the two would
+    # ever be freed.
     around.setStateValidityChecker(lambda state: free(np.array([state[joint] for joint in joints]) / scale))
     around.setup()
     problem = base.ProblemDefinition(around)
@@ -149,7 +154,7 @@ def polyline(question: Question, effort: Effort) -> Array | Apart:
         return _apart(question, data, tries)
     path = problem.getSolutionPath()
     simplifier = geometric.PathSimplifier(around)
-    # Each simplification is limited by its number of tries.
+    # Each simplification ends after its own number of tries.
     simplifier.reduceVertices(path)
     for _ in range(2):
         simplifier.partialShortcutPath(path)
@@ -171,7 +176,7 @@ def _apart(question: Question, data: Any, tries: int) -> Apart:
         vertex = data.getVertex(number)
         state = vertex.getState()
         trees[vertex.getTag()].append([state[joint] for joint in joints])
-    # Add the ends: on a side without samples they are in no tree.
+    # Add starts and goals: a tree without samples lacks even its roots.
     out, in_ = (
         np.concatenate((np.array(grown).reshape(-1, len(joints)), ends * question.reach))
         for grown, ends in ((trees[_FROM_START], question.starts), (trees[_FROM_GOAL], question.goals))
@@ -182,12 +187,13 @@ def _apart(question: Question, data: Any, tries: int) -> Apart:
 
 
 _FROM_START, _FROM_GOAL = 1, 2
-"""Tags of RRT-Connect for vertices reached from the starts, and from the goals."""
+"""Tags that RRT-Connect gives to the vertices of the tree from the starts, and of the tree from the goals."""
 
 
 def _nearest(ends: Array, q: Array) -> Array:
-    """Return the one of the joint positions `ends` (k, n) that is nearest to `q` (n,), to replace an end of
-    the path that the search has rounded.
+    """Return the joint position among `ends` (k, n) that is nearest to `q` (n,).
+
+    The search rounds the ends of its path; this function gives the exact joint positions back.
     """
     found: Array = ends[int(np.argmin(np.abs(ends - q).max(axis=1)))]
     return found

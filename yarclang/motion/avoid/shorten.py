@@ -17,7 +17,9 @@ TRIES = 200
 """Number of shortcuts that are tried."""
 
 _LEAST = 0.005
-"""Least share of the whole polyline's time that a shortcut must save to be checked."""
+"""Least share of the whole polyline's time that a shortcut must save. A shortcut that saves less isn't
+checked for collisions.
+"""
 
 _PLACES = 201
 
@@ -35,6 +37,7 @@ def duration(curve: NaturalSpline, limits: Limits) -> float:
     s = (u**3 * (10.0 - 15.0 * u + 6.0 * u**2))[:, 0]
     slope = curve.slope_at(s)
     bend = np.column_stack([np.interp(s, curve.knots, one) for one in curve.bends.T])
+    # A duration T needs |q'| / T <= velocity and |q''| / T^2 <= acceleration at every u.
     by_velocity = float((np.abs(slope) * rate / limits.velocity).max())
     by_acceleration = float((np.abs(bend * rate**2 + slope * change) / limits.acceleration).max())
     return max(by_velocity, float(np.sqrt(by_acceleration)))
@@ -43,10 +46,10 @@ def duration(curve: NaturalSpline, limits: Limits) -> float:
 def shortened(
     corners: Array, free: Callable[[Array], bool], step: Array, velocity: Array, seed: int
 ) -> Array:
-    """Shorten a joint-space polyline in time, at the joints' largest speeds, with the same ends.
+    """Shorten a joint-space polyline in time, at the joints' largest speeds. Start and end don't change.
 
-    Parts of the polyline are replaced by straight segments, of all joints or of one joint alone, wherever the
-    segment is faster and free of collisions.
+    Random parts of the polyline are replaced by straight segments, of all joints or of one joint alone, if
+    this saves time and is free of collisions.
 
     Args:
         corners: (w, n) the corners [rad or m] of a polyline that is free of collisions.
@@ -82,7 +85,7 @@ def shortened(
 def _length(points: Array, velocity: Array) -> Array:
     """Return the time from the start of a polyline to each corner, (k,) [s].
 
-    A leg counts for the time of its slowest joint, plus a small share of the times of all joints.
+    The time of a segment is that of its slowest joint, plus a small share of the times of all joints.
     """
     legs = np.abs(np.diff(points, axis=0)) / velocity
     taken = legs.max(axis=1) + _ALL * np.linalg.norm(legs, axis=1)
@@ -90,20 +93,23 @@ def _length(points: Array, velocity: Array) -> Array:
 
 
 _ALL = 0.1
-"""Weight of all joints beside the slowest one, so that they don't wander."""
+"""Weight of the norm of all joints' times, which is added to the time of the slowest joint. Without it, the
+other joints could move to and fro at no cost.
+"""
 
 
 def _cut(points: Array, length: Array, first: float, last: float, joint: int) -> tuple[Array, int, int]:
-    """Return the polyline with a straight segment between two places on it, and the range of corners that are
-    new.
+    """Return the polyline with a straight segment between two places on it, and the first and the last index
+    of the new corners.
 
     Args:
         points: the corners of the polyline.
         length: the time from the start to each corner [s].
         first: the place where the segment begins, as a time from the start [s].
         last: the place where the segment ends, as a time from the start [s].
-        joint: the joint that goes straight, or -1 for all.
+        joint: index of the only joint that is interpolated linearly over the segment; -1 for all joints.
     """
+    # Interpolate the two places, each between its neighbouring corners, in time.
     legs = np.searchsorted(length, [first, last], side="right") - 1
     legs = np.minimum(legs, len(points) - 2)
     shares = (np.array([first, last]) - length[legs]) / np.maximum(np.diff(length)[legs], 1e-12)
@@ -112,6 +118,7 @@ def _cut(points: Array, length: Array, first: float, last: float, joint: int) ->
     if joint < 0:
         middles = middles[:0]
     elif len(middles):
+        # Only one joint is interpolated linearly: replace its coordinate at the corners in between.
         share = (length[legs[0] + 1 : legs[1] + 1] - first) / max(last - first, 1e-12)
         middles[:, joint] = start[joint] + share * (stop[joint] - start[joint])
     found = np.concatenate((points[: legs[0] + 1], start[None], middles, stop[None], points[legs[1] + 1 :]))
@@ -131,10 +138,10 @@ def _is_free(one: Array, other: Array, free: Callable[[Array], bool], step: Arra
 def _by_halves(count: int) -> Array:
     """Return the integers from 0 to `count` in an order that finds an obstruction early.
 
-    Each one is as far as possible from all before it.
+    Each integer is as far as possible from all integers before it.
     """
     places = np.arange(count + 1)
-    # Odd multiples of a power of two, for falling powers: the middle, the quarters, the eighths, and so on.
+    # Odd multiples of decreasing powers of two: the middle, the quarters, the eighths, and so on.
     stride = 1 << int(np.ceil(np.log2(count + 1)))
     found = []
     while stride:
@@ -156,4 +163,6 @@ def _without_idle(points: Array, velocity: Array) -> Array:
 
 
 _SAME = 1e-6
-"""Distance [s] between corners, or size of a turn, below which a corner is dropped."""
+"""Distance between two corners [s] below which one is dropped, and change of direction (difference of unit
+vectors) below which a corner counts as straight.
+"""

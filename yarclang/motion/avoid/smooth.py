@@ -1,5 +1,5 @@
-"""Turn a joint-space polyline into the natural spline through way-points, which has a continuous acceleration
-and is proved to be free of collisions.
+"""Turn a joint-space polyline into waypoints whose natural spline is proved to be free of collisions. The
+natural spline has a continuous acceleration.
 """
 
 from __future__ import annotations
@@ -16,19 +16,23 @@ from yarclang.motion.natural import NaturalSpline
 from yarclang.motion.paths.spline import distinct, through
 
 GRID = 0.01
-"""Way-points are multiples of this [deg or mm], so that they can be written with two decimals."""
+"""Grid to which waypoints are rounded [deg or mm], so that they can be written with two decimals."""
 
 _ROUNDS = 14
-"""Largest number of rounds in which way-points are added to a curve that swings into something."""
+"""Largest number of rounds in which waypoints are added to a curve that collides."""
 
 _SHORTEST = 0.01
-"""Shortest leg between two way-points [rad or m]: more way-points wouldn't help."""
+"""Least distance between neighbouring waypoints [rad or m]. A shorter leg isn't divided further, since
+additional waypoints wouldn't help.
+"""
 
 _MOST = 60
-"""The largest number of way-points."""
+"""The largest number of waypoints."""
 
 _PIECES = 4
-"""Pieces of a leg, each with its own bound of speed."""
+"""Number of pieces into which a leg is divided for the proof; the largest speed is determined for each
+piece.
+"""
 
 
 @frozen(eq=False)
@@ -46,12 +50,12 @@ class Bend:
     more: Array
 
     def curve(self, points: Array) -> NaturalSpline:
-        """Return the natural spline through way-points (w, n), the first of which is the start."""
+        """Return the natural spline through waypoints (w, n), the first of which is the start."""
         return through(points, self.room.robot.chain.is_prismatic).spline
 
     def seen(self, curve: NaturalSpline) -> Array:
-        """Return places s (T,) at which samples of a curve are beyond joint limits; if none is, places at
-        which samples collide.
+        """Return places s (T,) at which samples of a curve are beyond joint limits. If none is, return places
+        at which samples collide.
         """
         beyond = _swings_out(self.room, curve)
         return beyond if len(beyond) else _hits(curve, self.free, self.step)
@@ -62,7 +66,7 @@ class Bend:
 
 
 def smooth(bend: Bend, corners: Array) -> Array | None:
-    """Return way-points (k, n), without the start, whose natural spline is proved to be free of collisions;
+    """Return waypoints (k, n), without the start, whose natural spline is proved to be free of collisions;
     None if none are found.
 
     Args:
@@ -91,15 +95,15 @@ def smooth(bend: Bend, corners: Array) -> Array | None:
 
 
 def _fewer(bend: Bend, points: Array) -> Array:
-    """Return way-points (w, n), the start included, without those that the curve doesn't need to avoid
-    obstacles.
+    """Return fewer waypoints (w, n), the start included, with which the curve still avoids all obstacles.
 
-    A way-point is removed if samples show that the curve stays free without it. The others are moved towards
-    the straight line between their neighbours as long as the curve stays free, which gives a shorter curve
-    with fewer bends.
+    A waypoint is removed if samples show that the curve stays free without it. Each remaining waypoint is
+    moved towards the straight line between its neighbours if the curve stays free. This makes the curve
+    shorter, with fewer bends.
     """
     at = 1
     while at < len(points) - 1 and len(points) > 3:
+        # Removing a waypoint changes the spline everywhere, so the whole curve is sampled.
         candidate = np.delete(points, at, axis=0)
         if len(bend.seen(bend.curve(candidate))):
             at += 1
@@ -115,7 +119,7 @@ def _fewer(bend: Bend, points: Array) -> Array:
         return candidate
 
     for at in range(1, len(points) - 1):
-        for joint in np.argsort(bend.step)[::-1]:  # joints that move least first
+        for joint in np.argsort(bend.step)[::-1]:  # the joint that moves bodies least comes first
             q = points[at].copy()
             q[joint] = _straight(points, at)[joint]
             found = tried(at, q)
@@ -129,7 +133,7 @@ def _fewer(bend: Bend, points: Array) -> Array:
 
 
 def _straight(points: Array, at: int) -> Array:
-    """Return where a way-point would lie on the straight line between its neighbours in joint space (n,)."""
+    """Return the place (n,) for a waypoint on the straight line between its neighbours in joint space."""
     before, behind = points[at - 1], points[at + 1]
     chord = behind - before
     share = float((points[at] - before) @ chord / max(float(chord @ chord), 1e-12))
@@ -138,17 +142,20 @@ def _straight(points: Array, at: int) -> Array:
 
 
 _PULLS = (0.75, 0.5, 0.25)
-"""Shares of the distance to the straight way by which way-points are moved."""
+"""Shares of a waypoint's distance from the straight line between its neighbours by which the waypoint is
+moved towards this line.
+"""
 
 
 def course_of(curve: NaturalSpline) -> Course:
-    """Return a spline as a timed motion for the proof of collisions: its parameter, from 0 to 1, is the
-    time [s].
+    """Return a spline as a timed motion for the collision proof: the parameter of the spline, from 0 to 1, is
+    the time [s].
     """
     width = np.diff(curve.knots)
     begin = (curve.knots[:-1, None] + width[:, None] * np.arange(_PIECES) / _PIECES).ravel()
     h = np.repeat(width / _PIECES, _PIECES)
     leg = np.repeat(np.arange(len(width)), _PIECES)
+    # y'' is linear on a leg: its slope is the jerk, and its value at the start of each piece follows from it.
     jerk = (np.diff(curve.bends, axis=0) / width[:, None])[leg]
     bend = curve.bends[leg] + (begin - curve.knots[leg])[:, None] * jerk
     slope = curve.slope_at(begin)
@@ -157,6 +164,7 @@ def course_of(curve: NaturalSpline) -> Course:
     with np.errstate(divide="ignore", invalid="ignore"):
         turn = np.where(jerk != 0.0, -bend / jerk, -1.0)
     inside = (turn > 0.0) & (turn < h[:, None])
+    # At the vertex t = -bend / jerk the slope is slope - bend^2 / (2 jerk).
     top = np.where(inside, slope + turn * bend / 2.0, slope)
     peaks = np.maximum.reduce([np.abs(slope), np.abs(end), np.abs(top)])
     return Course.of(curve.at(begin), slope, bend, jerk, h, peaks)
@@ -176,7 +184,9 @@ def _swings_out(room: Room, curve: NaturalSpline) -> Array:
 
 
 def _hits(curve: NaturalSpline, free: Callable[[Array], bool], step: Array) -> Array:
-    """Return places s (T,) at which samples of a curve collide; samples are about a step apart."""
+    """Return places s (T,) at which samples of a curve collide. Samples are at most about `step` (n,)
+    apart.
+    """
     legs = np.abs(np.diff(curve.values, axis=0)) / step
     counts = np.clip(np.ceil(1.2 * np.sqrt(np.square(legs).sum(axis=1))), 2, 400).astype(np.int64)
     s = np.concatenate(
@@ -185,12 +195,12 @@ def _hits(curve: NaturalSpline, free: Callable[[Array], bool], step: Array) -> A
             for leg, count in enumerate(counts.tolist())
         ]
     )
-    # The ends of the way are given, so they are not checked.
+    # The two ends of the curve aren't among the samples, since they are given.
     return s[[not free(q) for q in curve.at(s)]]
 
 
 def _between(points: Array, curve: NaturalSpline, wrong: Array, unit: Array) -> Array:
-    """Return the way-points, with a new one in the middle of each leg on which the curve collides."""
+    """Return the waypoints, with a new one in the middle of each leg on which the curve collides."""
     legs = np.unique(np.clip(np.searchsorted(curve.knots, wrong, side="right") - 1, 0, len(points) - 2))
     legs = legs[np.linalg.norm(points[legs + 1] - points[legs], axis=1) > 2.0 * _SHORTEST]
     middles = np.round((points[legs] + points[legs + 1]) / 2.0 / unit) * unit

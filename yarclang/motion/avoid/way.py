@@ -31,36 +31,36 @@ EFFORTS = (
 )
 """Searches that are made one after the other until one finds a path.
 
-The first ones are fast and keep a distance from obstacles; then the tool is drawn out of tight places at
-start and goal; the last ones are long and come close to obstacles.
+The first ones are fast and keep a distance from obstacles. The last ones are long and come close to
+obstacles. Those with `lines` first draw the tool out of tight places at start and goal.
 """
 
 OTHERS = EFFORTS[:2]
-"""Searches for paths to further inverse-kinematics solutions of a pose, made after all searches for the first
-solution.
+"""Searches for paths to the further inverse-kinematics solutions of a pose, if all searches for its first
+solution have failed.
 
 These two find nearly all paths that any search finds.
 """
 
 QUICK = EFFORTS[:1]
-"""Searches for the path of a motion for which an earlier search found nothing."""
+"""Searches that are made if an earlier search for the same motion found nothing."""
 
 _PROVED = 1e-3
-"""Largest distance beyond the margins that the curve is proved to keep [m]: the executed motion may deviate
-by this distance.
+"""Distance that the curve is proved to keep in addition to the margins [m]; less where bodies are close at
+start or goal. The executed motion may deviate by this distance.
 """
 
 
 _LOOK = 0.05
-"""Approximate motion of bodies between two places of the straight way that are checked [m]."""
+"""Approximate motion of bodies between two checked places of the straight line [m]."""
 
 
 @frozen(eq=False)
 class Way:
     """A path in joint space from a start to a goal.
 
-    `waypoints` (k, n) [rad or m] don't include the start; the last one is the goal. A single way-point means
-    the straight line. Otherwise `between` is the obstruction in the straight line.
+    `waypoints` (k, n) [rad or m] don't include the start; the last one is the goal. A single waypoint means
+    the straight line. With more waypoints, `between` is the obstruction on the straight line.
     """
 
     waypoints: Array
@@ -76,11 +76,11 @@ class Way:
 class NoWay:
     """The reason why no path in joint space was found.
 
-    `start` and `goal` are the obstructions at start and goal; `parting` is a zone that certainly separates
-    the two. If all three are None, a search of `tries` samples found nothing: `between` is the obstruction in
-    the straight line, and `furthest` is the place nearest to the goal that the search reached. `has_corners`
-    is True if a polyline was found, but no curve along it was proved to be free. `is_cut` is True if the
-    search ended early because there are many bodies.
+    `start` and `goal` are the obstructions at start and goal. `parting` is a zone that certainly separates
+    the two. If all three are None, a search of `tries` samples found nothing. Then `between` is the
+    obstruction on the straight line, and `furthest` is the place nearest to the goal that the search reached.
+    `has_corners` is True if a polyline was found, but no smooth curve along it was proved to be free.
+    `is_cut` is True if the search ended early because there are many bodies.
     """
 
     start: Obstruction | None = None
@@ -98,7 +98,7 @@ class Furthest:
     """The place nearest to the goal that a failed search reached.
 
     At the joint position `q` (n,) [rad or m], the moving frame is `left` [m] from its position at the goal.
-    From there on, `blocked` is the obstruction.
+    `blocked` is the obstruction between this place and the goal.
     """
 
     q: Array
@@ -121,7 +121,7 @@ def find_way(
         goal: (n,) joint position at the goal [rad or m], within limits.
         efforts: searches to make one after the other until one finds a path; None for all `EFFORTS`.
         searches: number of paths to find with the parameters of the successful search. Each is shortened in
-            time, and the fastest is taken. With 1, the first path found is taken.
+            time, and the fastest is returned. With 1, the first path found is returned.
     """
     straight = Way(constant(goal[None].copy()))
     if room is None or np.array_equal(start, goal):
@@ -129,7 +129,7 @@ def find_way(
     between = _straight(room, start, goal)
     if between is None:
         return straight
-    # Cheap answers before any search: an obstruction at an end, or a zone that separates the ends.
+    # Before any search, look for quick answers: an obstruction at an end, or a zone that separates the ends.
     at_start, at_goal = room.obstruction(start), room.obstruction(goal)
     if at_start is not None or at_goal is not None:
         return NoWay(at_start, at_goal)
@@ -142,15 +142,16 @@ def find_way(
     for effort in EFFORTS if efforts is None else efforts:
         if looks.are_over():
             break
-        found = _found(room, start, goal, effort, looks)
-        if isinstance(found, Apart):
-            apart.append(found)
-            tries += found.tries
-        elif found is not None:
+        # A search returns a polyline; only the smooth curve along it counts as a way.
+        line = _found(room, start, goal, effort, looks)
+        if isinstance(line, Apart):
+            apart.append(line)
+            tries += line.tries
+        elif line is not None:
             tries += effort.samples
-            ways = [] if (first := smooth(found.bend, found.corners)) is None else [first]
+            ways = [] if (first := smooth(line.bend, line.corners)) is None else [first]
             if searches > 1:
-                ways += _shorter(room, start, goal, found, effort, searches, looks)
+                ways += _shorter(room, start, goal, line, effort, searches, looks)
             if ways:
                 return Way(constant(min(ways, key=lambda one: _duration(room, start, one))), between)
             has_corners = True
@@ -161,9 +162,8 @@ def find_way(
 
 
 class _Looks:
-    """A budget of checks of joint positions.
-
-    A check costs more among many bodies, so that every search ends after about the same time.
+    """A budget of collision checks for one search. With more bodies, each check uses up more of the budget,
+    so that every search ends after about the same time.
     """
 
     def __init__(self, room: Room, searches: int) -> None:
@@ -171,7 +171,7 @@ class _Looks:
         self.cost = 1.0 + (len(room.scene.bodies) / _MANY) ** 2
 
     def counted(self, free: Callable[[Array], bool]) -> Callable[[Array], bool]:
-        """Return a function with the same results as `free`, which also counts how often it is called."""
+        """Return a function with the same results as `free`; each call uses up a part of the budget."""
 
         def look(q: Array) -> bool:
             self.left -= self.cost
@@ -180,17 +180,17 @@ class _Looks:
         return look
 
     def are_over(self) -> bool:
-        """Return True if no checks are left."""
+        """Return True if the budget is used up."""
         return self.left <= 0.0
 
 
 MOST_LOOKS = 300_000
-"""Number of checks of joint positions for each search among few bodies: more than all efforts need, and about
-5 s.
+"""Budget of each search, counted in collision checks with few bodies; with many bodies, a check costs more.
+Using up a budget takes about 5 s. With few bodies, all `EFFORTS` together need fewer checks than one budget.
 """
 
 _MANY = 100.0
-"""Number of bodies at which a check takes twice as long."""
+"""Number of bodies at which a check counts as two."""
 
 
 @frozen(eq=False)
@@ -210,8 +210,8 @@ class _Corners:
 def _shorter(
     room: Room, start: Array, goal: Array, first: _Corners, effort: Effort, searches: int, looks: _Looks
 ) -> Iterator[Array]:
-    """Yield way-points (k, n) of polylines shortened in time: of the first one, then of those that further
-    searches find.
+    """Yield waypoints (k, n) of polylines shortened in time: those of the polyline `first`, then those of
+    the polylines that further searches find.
     """
     for number in range(searches):
         again = replace(effort, seed=effort.seed + number * _NEXT)
@@ -238,8 +238,9 @@ def _found(room: Room, start: Array, goal: Array, effort: Effort, looks: _Looks)
     """Search for a joint-space polyline around obstacles.
 
     Returns:
-        The polyline; or the place at which the two search trees came nearest to each other; or None if the
-        effort doesn't apply to this question.
+        The polyline. If the search fails, the joint positions at which its two trees came nearest to each
+        other. None if no such search is possible: start or goal isn't free, or no straight line leads out of
+        either.
     """
     padding = room.padding(start, goal, effort.padding)
     reach = reaches(room.scene, room.robot)
@@ -269,12 +270,13 @@ def _found(room: Room, start: Array, goal: Array, effort: Effort, looks: _Looks)
 
 
 def _furthest(room: Room, apart: Apart, goal: Array) -> Furthest:
-    """Return the place at which a failed search came nearest to its goal, and the first obstruction between
-    this place and the goal.
+    """Return the joint position at which a failed search came nearest to its goal, and the first obstruction
+    on the way to the goal.
     """
     way = np.linspace(0.0, 1.0, _PLACES)[1:, None] * (apart.beyond - apart.q)
     places = apart.q + way
-    # Only near bodies matter. Those that only the padding of the search excluded also count as in the way.
+    # Bodies farther away than `_NEAR` are ignored. The search keeps more distance than required, so possibly
+    # none of `places` violates a margin. Then the place with the least clearance counts as blocked.
     spare = room.clearances(places, _NEAR)
     blocked = np.flatnonzero(spare <= 0.0)
     at = int(blocked[0]) if len(blocked) else int(np.argmin(spare))
@@ -284,23 +286,27 @@ def _furthest(room: Room, apart: Apart, goal: Array) -> Furthest:
 
 
 _PLACES = 129
-"""Number of places examined between the nearest place of a search and the place that it didn't reach."""
+"""Number of places that are examined between the two joint positions at which the trees of a failed search
+came nearest to each other.
+"""
 
 _NEAR = 0.1
-"""Distance beyond their margins above which bodies are ignored [m]."""
+"""Clearance above which bodies are ignored [m]."""
 
 
 def _straight(room: Room, start: Array, goal: Array) -> Obstruction | None:
-    """Return the obstruction in the straight line in joint space; None if this line is proved to be free."""
+    """Return the obstruction on the straight line in joint space; None if this line is proved to be free."""
+    # Multiplied by lever arms, joint motions become approximate motions of bodies.
     steps = np.abs(goal - start) * reaches(room.scene, room.robot)
     count = int(np.ceil(np.linalg.norm(steps) / _LOOK)) + 1
     places = start + np.linspace(0.0, 1.0, count + 1)[:, None] * (goal - start)
     blocked = [q for q in places if not room.is_free(q)]
-    if blocked and (found := room.obstruction(blocked[len(blocked) // 2])) is not None:
-        return found
+    if blocked and (obstruction := room.obstruction(blocked[len(blocked) // 2])) is not None:
+        return obstruction
+    # No sample is blocked: prove the line, or take the first doubt as the obstruction.
     course = straight_course(start, goal)
     doubts = room.doubts(course)
     if not len(doubts):
         return None
-    found = room.obstruction(course.at(doubts)[0])
-    return Obstruction(("the arm", "what is around it"), 0.0) if found is None else found
+    obstruction = room.obstruction(course.at(doubts)[0])
+    return Obstruction(("the arm", "what is around it"), 0.0) if obstruction is None else obstruction

@@ -1,8 +1,8 @@
-"""Plan chains of motions by overlapping the motion profiles that the motions have by themselves, with part of
-the limits in reserve.
+"""Plan chains of motions in two steps: plan the motion profile of each motion by itself, then let
+neighbouring profiles overlap.
 
-Where two profiles overlap, their accelerations add up. A profile that uses a whole limit would leave nothing
-for the one that it overlaps.
+Where two profiles overlap, their accelerations add up. Therefore each profile uses only a share of the limits
+of acceleration and jerk.
 """
 
 from __future__ import annotations
@@ -25,7 +25,9 @@ from yarclang.motion.trials import Trial, Trials
 from yarclang.robot.model import Chain
 
 _MORE, _LITTLE = 0.03, 0.002
-"""Margins by which more of a path may be in a ball than estimated: relative, and as a share of the path."""
+"""Margins that are added to the share of a path that is inside a corner's ball: `_MORE` is relative to this
+share, `_LITTLE` is a share of the whole path.
+"""
 
 
 def apart(
@@ -45,15 +47,15 @@ def apart(
         links: the motions of the chain.
         share: share of the limits of acceleration and jerk that one profile may use.
         inside: for each corner, as returned by `find_inside`.
-        at_most: the durations above which a chain without a stop at a corner, and a chain with stops, are of
-            no use [s].
+        at_most: two durations [s]. A plan without a stop at a corner is of no use above the first one,
+            and a plan with stops above the second one.
         segment: the segment time [s].
-        middles: for each motion with a given duration, its number of segments from the middle of one overlap
-            to the middle of the next.
+        middles: for each motion with a given duration, its number of segments from the middle of one
+            overlap to the middle of the next.
 
     Returns:
-        The planned motions; or a shorter segment time to try; or None if a motion has no profile within this
-        share, or the chain is of no use.
+        The planned motions, or a shorter segment time to try. None if a motion has no profile within this
+        share, or the plan is of no use.
     """
     return _Maker(links, Overlaps(chain, links, segment), segment, middles, share, inside, *at_most).made()
 
@@ -69,20 +71,21 @@ class _Maker:
     at_most: float
     at_most_with_stops: float
     _free: dict[tuple[int, int], Trial | None] = field(default_factory=dict)
-    """Trials of motions without a given duration, by the index of the motion and the identity of its
-    `Trials`.
-
-    They don't depend on the overlaps.
+    """Cache of planned motions that have no given duration and therefore don't depend on the overlaps. The
+    key is the index of the motion and the identity of its `Trials`.
     """
 
     def made(self) -> list[Piece] | float | None:
-        trials = [own for link in self.links if (own := self._trials(link, self.share)) is not None]
+        trials = [
+            candidates for link in self.links if (candidates := self._trials(link, self.share)) is not None
+        ]
         if len(trials) < len(self.links):
             return None
         overlaps = [0] * (len(self.links) - 1)
         for place, link in enumerate(self.links):
             if self._part(trials, overlaps, place) is None:
-                # The given time of this motion needs more than the share.
+                # In its given duration, this motion can't keep the share of the limits: let it use the whole
+                # limits.
                 whole = self._trials(link, 1.0)
                 if whole is None:
                     return None
@@ -93,11 +96,13 @@ class _Maker:
         for place in range(len(overlaps)):
             if least > (self.at_most if all(overlaps[:place]) else self.at_most_with_stops):
                 return None
+            # Choose the overlaps from the first corner to the last. `least` was computed with the greatest
+            # overlap at each corner: correct it for the chosen one.
             overlaps[place] = self._widest(trials, overlaps, place, rooms[place])
             least += self._saved(place, rooms[place]) - self._saved(place, overlaps[place])
         parts = [part for place in range(len(self.links)) if (part := self._part(trials, overlaps, place))]
-        for own, part in zip(trials, parts, strict=True):
-            more = own.segments_for_tolerance(part.trial)
+        for candidates, part in zip(trials, parts, strict=True):
+            more = candidates.segments_for_tolerance(part.trial)
             if more is not None:
                 return self.segment * part.segments / more
         for link, part in zip(self.links, parts, strict=True):
@@ -111,7 +116,7 @@ class _Maker:
         """Return a lower bound of the chain's duration [s], and an upper bound of the overlap at each corner
         [segments].
 
-        Within the upper bound, the overlapping parts of both motions are inside the corner's ball.
+        Up to this overlap, the overlapping parts of both motions can be inside the corner's ball.
         """
         parts = [self._part(trials, overlaps, place) for place in range(len(self.links))]
         segments = [
@@ -122,7 +127,8 @@ class _Maker:
         for place, shares in enumerate(self.inside):
             corner, room = self.links[place].corner, sum(segments)
             for side in (place, place + 1):
-                # The law of a motion with a given time depends on the overlap.
+                # The profile of a motion with a given duration depends on its overlaps. Such a motion gives
+                # no bound of the overlap.
                 if self.middles[side] is not None:
                     continue
                 room = min(room, segments[side])
@@ -134,15 +140,15 @@ class _Maker:
         return sum(segments) * self.segment - saved, rooms
 
     def _saved(self, place: int, overlap: int) -> float:
-        """Return the time that the chain gains by an overlap of two motions [s].
+        """Return the time by which an overlap of two motions shortens the chain [s].
 
-        A motion with a given duration gains nothing: it takes as long as before.
+        Each of the two motions saves half of the overlap, unless its duration is given.
         """
         return overlap * self.segment * sum(self.middles[side] is None for side in (place, place + 1)) / 2.0
 
     def _trials(self, link: Link, share: float) -> Trials | None:
-        """Return the candidates for a motion that uses a share of the limits; None if no motion profile
-        fits in it.
+        """Return the candidates for a motion that uses a share of the limits; None if no motion profile keeps
+        within this share.
         """
         bounds = link.own_bounds.reduced(1.0, share)
         law = (
@@ -153,18 +159,20 @@ class _Maker:
         return Trials(link.path, law, bounds, link.tolerance)
 
     def _part(self, trials: list[Trials], overlaps: list[int], place: int) -> Part | None:
-        """Return a motion planned for its present overlaps; None if it breaks a limit."""
-        own, link = trials[place], self.links[place]
+        """Return a motion planned for its present overlaps; None if it can't keep the limits."""
+        candidates, link = trials[place], self.links[place]
         middle = self.middles[place]
         trial: Trial | None
         if middle is None:
-            key = place, id(own)
+            key = place, id(candidates)
             if key not in self._free:
-                self._free[key] = self._fewest(own, link)
+                self._free[key] = self._fewest(candidates, link)
             trial = self._free[key]
         else:
+            # A given duration counts from the middle of one overlap to the middle of the next: add half of
+            # each overlap.
             beside = (overlaps[place - 1] if place else 0) + (overlaps[place] if place < len(overlaps) else 0)
-            trial = own.within(middle + beside // 2, self.segment)
+            trial = candidates.within(middle + beside // 2, self.segment)
         if trial is None or trial.demand.segment > self.segment * (1.0 + 1e-12):
             return None
         return Part(link.path, trial)
@@ -201,16 +209,18 @@ class _Maker:
                 return False
             if not before or self.middles[place] is None:
                 return True
-            # The law of a motion with a given time depends on both overlaps: check the corner before it
-            # again.
+            # The profile of a motion with a given duration depends on both of its overlaps: check the corner
+            # before the motion again.
             earlier = self._part(trials, trying, place - 1)
             return earlier is not None and self._is_kept(earlier, one, place - 1, before)
 
         return widest(serves, min(first.segments - before, half))
 
     def _is_kept(self, one: Part, other: Part, place: int, overlap: int) -> bool:
-        """Return True if two motions may overlap by `overlap` segments: the curve is within limits and in the
-        corner's ball, and the frame is no faster than requested.
+        """Return True if two motions may overlap by `overlap` segments.
+
+        While they overlap, the joints must be within their limits, the frame must stay within the distance
+        of the corner that BLEND allows, and it must be no faster than requested.
         """
         return (
             self.corners.serves(one, other, place, overlap)
@@ -219,8 +229,8 @@ class _Maker:
 
 
 def _segments_within(part: Part | None, share: float, *, is_end: bool) -> int:
-    """Return an upper bound of the number of segments in which a motion covers the last share of its path, or
-    without `is_end` the first share.
+    """Return an upper bound of the number of segments in which a motion covers a given share of its path: the
+    last share if `is_end`, otherwise the first one.
     """
     assert part is not None
     if share >= 0.5:

@@ -21,16 +21,18 @@ from yarclang.motion.trapezoid import FEWEST_IN_BLEND, Ramp, between_ramps, to_r
 from yarclang.motion.trials import Trial, Trials
 
 STEEPNESS = (0.5, 0.35, 0.25, 0.15, 0.08)
-"""Shares of a ramp in which its acceleration rises, and in which it falls again: the gentlest first."""
+"""Steepnesses of a ramp that are tried, the gentlest first: the share of the ramp in which its acceleration
+rises, and also that in which it falls again.
+"""
 
 _BY_ITS_WAY = 1.08
-"""Factor by which limits are exceeded in the middle third of a path, above which no other ramps are tried: no
-ramp makes the motion slower there.
+"""Factor by which the motion may exceed the limits in the middle third of its path. Above it, no other ramps
+are tried, since no ramp makes the motion slower there.
 """
 
 _AT_ONCE = 40
-"""Number of motion profiles that are tried together if the first few break limits. Solving many takes hardly
-longer than solving a few.
+"""Number of motion profiles that are computed together if the first few break limits. Computing many together
+takes hardly longer than computing a few.
 """
 
 
@@ -50,10 +52,10 @@ class Turn:
 
 @frozen(eq=False)
 class _Timed:
-    """A candidate motion profile, as control values (segments + 3,) of the share of the path.
+    """A candidate motion profile: control values (segments + 3,) of the completed share of the path.
 
-    `into` and `out` are the lengths of the overlaps at start and end [segments]. `behind` is the time from a
-    knot to the start of the last ramp [segments].
+    `into` and `out` are the lengths of the overlaps at start and end [segments]. `behind` is the phase of the
+    last ramp: the time from the last knot before the ramp to the beginning of the ramp [segments].
     """
 
     control: Array
@@ -66,9 +68,9 @@ class _Timed:
 class Between:
     """One motion to plan between two corners of a chain, with the segment time [s].
 
-    `before` and `behind` are the corners before and after the motion; None if it starts or ends at rest. If
-    the motion has a given duration, `middle` is its number of segments from the middle of one overlap to the
-    middle of the next.
+    `before` is the corner before the motion, None if the motion starts at rest. `behind` is the corner after
+    it, None if it ends at rest. If the motion has a given duration, `middle` is its number of segments from
+    the middle of one overlap to the middle of the next.
     """
 
     link: Link
@@ -81,15 +83,15 @@ class Between:
         """Plan the motion.
 
         Args:
-            cruise: number of segments in which the whole path would be traversed at full speed.
+            cruise: number of segments in which the whole path would be traversed at cruise speed.
             phase: time from a knot to the start of the last ramp of the motion before [segments]. The first
-                ramp of this motion starts at the same phase and is the mirror image of that ramp, so that
+                ramp of this motion starts at the same time and is the mirror image of that ramp, so that
                 both add up to a constant speed.
 
         Returns:
-            Two values. The first is the planned motion; if the motion's own limits don't allow it, the first
-            is the factor (at least 1) by which it must be slower, as far as known. The second is the phase of
-            its last ramp [segments].
+            The planned motion, and the phase of its last ramp [segments]. If the motion's own limits don't
+            allow it: the factor (at least 1) by which the motion must be slower, as far as known, and 0 in
+            place of the phase.
         """
         laws, asked = self._laws(cruise, phase), np.inf
         for count in chain([len(STEEPNESS)], repeat(_AT_ONCE)):
@@ -118,7 +120,7 @@ class Between:
             first = Ramp(phase, before.width, before.rise) if before else Ramp(0.0, blend, rise)
             if self.behind is None:
                 # From the middle of the first ramp to the middle of the last one, the motion covers the whole
-                # path at its cruise.
+                # path in `cruise` segments.
                 segments = math.ceil(first.middle + cruise + blend / 2.0 - 1e-9)
                 if self.middle is not None:
                     segments = self.middle + into // 2
@@ -126,21 +128,22 @@ class Between:
                     yield _Timed(to_rest(segments, first, cruise, rise), into, 0, 0.0)
                 continue
             turn = self.behind
-            # The last ramp is the overlap with the next motion. It begins at the phase `last.start - knot`
-            # after a knot, which the next motion's first ramp takes over.
+            # The last ramp lies in the overlap with the next motion. It begins `last.start - knot` after a
+            # knot, and the next motion's first ramp begins at the same time.
             last = Ramp(first.middle + cruise - turn.width / 2.0, turn.width, turn.rise)
             knot = int(last.start + 1e-9)
             if last.start < 0.0 or knot < into:
                 continue
+            # The motion ends with its overlap with the next motion.
             segments = knot + turn.overlap
             if first.start + first.width + 1 <= segments:
                 yield _Timed(between_ramps(segments, first, last), into, turn.overlap, last.start - knot)
 
     def _ramps(self, cruise: float) -> Iterator[tuple[int, float]]:
-        """Yield lengths and steepnesses of a ramp from rest or to rest, the shortest that might suffice
-        first.
+        """Yield the length and the steepness of ramps from rest or to rest, the shortest ramps first.
 
-        If the motion neither starts nor ends at rest, the only item is a dummy.
+        If the motion neither starts nor ends at rest, it needs no such ramp, and the only item is a
+        placeholder.
         """
         if self.before and self.behind:
             yield 0, 0.0
@@ -151,19 +154,19 @@ class Between:
                 yield length, share
 
     def _lengths(self, cruise: float) -> list[int]:
-        # The joints gain their cruise speed, slope / (cruise h), within `blend` segments: the acceleration
-        # needs at least slope / (cruise a h^2) of them.
+        # The joints reach their cruise speed, slope / (cruise h), within the ramp; h is the segment time.
+        # With the acceleration limit a, the ramp takes at least slope / (cruise a h^2) segments.
         rate = (self.link.path.slope / cruise / self.link.own_bounds.acceleration).max() / self.segment**2
         least = max(FEWEST_IN_BLEND, int(rate))
         most = max(least + 2, int(2.0 * cruise))
         return [int(length) for length in np.unique(np.round(np.geomspace(least, most, 24)))]
 
     def _tried(self, laws: Sequence[_Timed]) -> list[Trial]:
-        """Compute the motion for each of several candidate profiles; their joint positions are solved
+        """Compute the motion for each of several candidate profiles. Inverse kinematics is solved for all
         together.
         """
         controls, link = [law.control for law in laws], self.link
-        # Zones are checked later, and only for the law that is taken.
+        # Zones are checked later, and only for the profile that is chosen.
         trials = Trials(link.path, law_of(*controls), replace(link.own_bounds, zones=None), link.tolerance)
         return trials.trials([(len(control) - 3, (number,)) for number, control in enumerate(controls)])
 
@@ -197,7 +200,9 @@ def _has_room(segments: int, first: Ramp, cruise: float) -> bool:
 
 
 def law_of(*controls: Array) -> Law:
-    """Return a law of motion whose forms are the given arrays of control values, chosen by their index."""
+    """Return a motion profile with one form for each given array of control values. The number of a form is
+    the index of its array.
+    """
 
     def strain(segments: int, forms: NDArray[np.int64]) -> Array:
         return np.full((len(forms), 3), 1.0 / segments)

@@ -2,11 +2,12 @@
 paths are traversed at once.
 
 Each profile starts and ends at rest. While motion 1 is ending and motion 2 begins, two displacements from the
-corner are added: back by the part of path 1 that is left, and forward by the part of path 2 that is done.
-The curve is therefore smooth at any corner, and leaves the programmed path only where profiles overlap.
-Between two paths of one moving frame, poses are added, and the frame stays in the plane of its two lines;
-otherwise joint positions are added. If the corner's ball has radius 0, the paths are tangent. Distances along
-both paths are then added, and the path isn't left at all.
+corner are added: back by the remaining part of path 1, and forward by the completed part of path 2. The curve
+is therefore smooth at any corner, and leaves the programmed path only where profiles overlap.
+
+Between two paths of one moving frame, poses are added, and the frame stays in the plane of its two lines.
+Otherwise joint positions are added. If the corner's ball has radius 0, the paths are tangent. Then distances
+along both paths are added, and the path isn't left at all.
 """
 
 from __future__ import annotations
@@ -29,18 +30,19 @@ from yarclang.robot.kinematics.inverse import follow
 from yarclang.robot.model import Chain
 
 _FADE = 24
-"""Number of knots beside an overlap up to which a correction at its knots has an effect: the effect falls to
+"""Number of knots on either side of an overlap that are also corrected. The effect of a correction falls to
 about a fourth from knot to knot.
 """
 
 
 @frozen(eq=False)
 class Corner:
-    """The corner at which one motion flows into the next, and how far the curve may stay from it.
+    """The corner at which one motion flows into the next, and the largest allowed distance of the curve from
+    this corner.
 
-    If `flange_from_moving` (4, 4) is given, the curve stays within a ball of `radius` [m] around this frame's
-    position at the corner. If it is None, each joint stays within `reach` (n,) [rad or m] of the corner.
-    `point` (n,) is the joint position at the corner.
+    `point` (n,) is the joint position at the corner. If `flange_from_moving` (4, 4) is given, the moving
+    frame stays within a ball of `radius` [m] around its position at the corner. If `flange_from_moving` is
+    None, each joint stays within `reach` (n,) [rad or m] of the corner.
     """
 
     point: Array
@@ -55,8 +57,8 @@ class Corner:
         return self.radius, *(None if one is None else one.tobytes() for one in arrays)
 
     def farthest(self, chain: Chain, q: Array) -> Array:
-        """Return the distances of joint positions `q` (N, n) from the corner, as shares (N,) of the
-        distance that is allowed.
+        """Return the distances of joint positions `q` (N, n) from the corner, as shares (N,) of the allowed
+        distance.
         """
         if self.flange_from_moving is None:
             assert self.reach is not None
@@ -74,7 +76,9 @@ class Corner:
 
 @frozen(eq=False)
 class Part:
-    """One motion of a chain: its path, and the control points (n + 3, d) that the motion has by itself."""
+    """One motion of a chain: its path, and the control points (n + 3, d) of the motion without its
+    neighbours.
+    """
 
     path: Path
     trial: Trial
@@ -98,8 +102,8 @@ def superpose(
         chain: the arm.
         parts: the k motions of the chain.
         corners: the k - 1 corners between them.
-        overlaps: for each corner, the number of segments in which two motions overlap; even, and at most as
-            long as both. 0 is a stop.
+        overlaps: for each corner, the number of segments in which two motions overlap; even, and at most the
+            number of segments of either motion. 0 is a stop.
     """
     starts = begins(parts, overlaps)
     total = starts[-1] + parts[-1].segments
@@ -129,8 +133,8 @@ def begins(parts: Sequence[Part], overlaps: Sequence[int]) -> list[int]:
 
 
 def shares(first: Part, second: Part, overlap: int) -> tuple[Array, Array]:
-    """Return the share of the first path, and of the second path, that is done at each knot strictly inside
-    their overlap, (overlap - 1,) each.
+    """Return the completed shares of the first and of the second path at each knot strictly inside their
+    overlap, (overlap - 1,) each.
     """
     done, begun = knot_values(first.trial.control), knot_values(second.trial.control)
     return done[len(done) - overlap : -1], begun[1:overlap]
@@ -153,13 +157,14 @@ def places_of_both(first: Path, second: Path, done: Array, begun: Array) -> Arra
     Args:
         first: the path to the corner.
         second: the path from the corner on.
-        done: (N,) share of the first path that is done.
-        begun: (N,) share of the second path that is done.
+        done: (N,) completed share of the first path.
+        begun: (N,) completed share of the second path.
     """
     assert isinstance(first, CartesianPath)
     assert isinstance(second, CartesianPath)
     middle = second.frame.poses(np.zeros(1))[0, :3, 3]
     one, other = first.frame.poses(done), second.frame.poses(begun)
+    # Displacements from the corner add up: (p1 - c) + (p2 - c).
     places: Array = one[:, :3, 3] + other[:, :3, 3] - 2.0 * middle
     return places
 
@@ -183,25 +188,28 @@ def _correct(
     begin: int,
     rests: tuple[int, int],
 ) -> None:
-    """Change control points so that the curve passes through the joint positions of an overlap at the knots.
+    """Change control points so that the curve passes through the right joint positions at the knots of an
+    overlap.
 
-    `rests` are the knots of the stops before and after the overlap. The three equal control points of each
-    stop stay as they are.
+    `rests` are the knots of the stops before and after the overlap. At each stop, three equal control points
+    stay as they are.
     """
     wanted = both(chain, first.path, second.path, corner, *shares(first, second, overlap))
-    # The control points of a stop at knot k are k to k + 2, and the curve meets knot k with point k + 1.
-    # Knots k - 1 and k + 1 can't be met without moving the stop, as in `through_knots`.
+    # The control points k to k + 2 of a stop at knot k are equal, and the curve is at control point k + 1
+    # when it passes knot k. Knots k - 1 and k + 1 can't be corrected without moving the stop, as in
+    # `through_knots`.
     low, high = max(begin + 1 - _FADE, rests[0] + 2), min(begin + overlap + _FADE, rests[1] - 1)
     if low >= high:
         return
     miss = np.zeros((high - low, points.shape[1]))
-    # The miss is zero at the knots around the overlap.
+    # Outside of the overlap, the error at the knots is zero.
     one, end = max(begin + 1, low), min(begin + overlap, high)
     if one < end:
         miss[one - low : end - low] = wanted[one - begin - 1 : end - begin - 1] - knot_values(
             points[one : end + 2]
         )
-    # Compute the change of control points that corrects the misses at the knots near the overlap.
+    # Compute the change d of control points that corrects the errors at the knots near the overlap: (d[k] + 4
+    # d[k+1] + d[k+2]) / 6 = miss[k], with d zero outside of the range.
     points[low + 1 : high + 1] += solve_tridiagonal(
         np.full(len(miss), 4.0), np.ones(len(miss) - 1), 6.0 * miss
     )
@@ -215,8 +223,8 @@ def both(chain: Chain, first: Path, second: Path, corner: Corner, done: Array, b
         first: path of the first motion.
         second: path of the second motion.
         corner: the corner between them.
-        done: (N,) share of the first path that is done.
-        begun: (N,) share of the second path that is done.
+        done: (N,) completed share of the first path.
+        begun: (N,) completed share of the second path.
     """
     if corner.is_tangent:
         return _along_both(first, second, done, begun)
@@ -234,16 +242,17 @@ def _poses_of_both(
     middle = second.frame.poses(np.zeros(1))[0]
     poses = other.copy()
     poses[:, :3, 3] += one[:, :3, 3] - middle[:3, 3]
-    # Turn of motion 1 up to now, followed by the turn of motion 2 from the corner on, R2 Rc' R1.
+    # The orientation on path 1, turned by the rotation of path 2 since the corner: R2 Rc' R1.
     poses[:, :3, :3] = other[:, :3, :3] @ middle[:3, :3].T @ one[:, :3, :3]
     seeds = first.followed.at(done) + second.followed.at(begun) - corner.point
     return follow(chain, poses @ np.linalg.inv(first.flange_from_moving), seeds)[0]
 
 
 def _along_both(first: Path, second: Path, done: Array, begun: Array) -> Array:
-    """Return joint positions along the first path and on along the second one, which is tangent to it.
+    """Return joint positions on two paths that are tangent to each other at their corner.
 
-    The place is the sum of the distances covered on both paths.
+    The distances covered on both paths are added. Up to the length of the first path, the sum is a place on
+    the first path; the rest is a place on the second path.
     """
     go_on()
     lengths = way_length(first), way_length(second)
@@ -256,8 +265,8 @@ def _along_both(first: Path, second: Path, done: Array, begun: Array) -> Array:
 
 
 def way_length(path: Path | FrameWay) -> float:
-    """Return the length of a path: of the moving frame's path [m, or rad for a pure turn], or of the path in
-    joint space [rad and m].
+    """Return the length of a path: of the moving frame's path [m, or rad for a pure rotation], or of the path
+    in joint space [rad and m].
     """
     if isinstance(path, CartesianPath | FrameWay):
         return extent_of(path.frame)[0]

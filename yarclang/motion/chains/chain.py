@@ -8,6 +8,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from itertools import pairwise
 
 import numpy as np
 
@@ -22,81 +23,112 @@ from yarclang.motion.limits import Grid
 from yarclang.robot.model import Chain
 
 _LONGEST = 0.02
-"""Longest segment of a chain [s]; an overlap is an integer number of segments.
+"""Longest segment of a chain [s]. It is short since the length of an overlap is an integer number of
+segments.
 
-If the controller's shortest segment is longer than this, it is used instead.
+If the controller's shortest segment is longer than this, chains have that segment time instead.
 """
 
 _SHORTEST = 0.004
-"""Segments aren't made shorter than this to get a steady speed [s]."""
+"""Shortest segment time that is tried for chains that keep their speed through corners [s]."""
 
 _SHARES = (1.0, 0.9, 0.8, 0.65, 0.5)
-"""Shares of the limits of acceleration and jerk that a single motion profile may use. With a half, two
-overlapping profiles never add up to more than the limits.
+"""Shares of the limits of acceleration and jerk that a single motion profile may use. With a share of a half,
+two overlapping profiles never add up to more than the limits.
 """
 
 _FOR_FLOW = 1.1
-"""Factor by which a chain with fewer stops may take longer than the fastest chain: a blend is requested so
-that the motion flows.
+"""Factor by which a chain with fewer stops may take longer than the fastest chain. It is more than 1, since
+users request a blend in order to avoid a stop, not only to save time.
 """
 
 _ABOUT = 1.005
-"""Factor up to which slower plans of a chain count as equally fast. Of these the first one is taken, which
-has longer segments.
+"""Factor up to which a slower plan of a chain counts as equally fast. Of equally fast plans the first one is
+taken, since earlier plans have longer segments.
 """
 
 _EXACT = 1e-7
-"""Times within this distance of whole segments count as exact [s]."""
+"""Difference from an integer number of segments up to which a duration counts as exact [s]."""
 
 Way = Callable[[float, list[int | None]], list[Piece] | float | Beaten | None]
-"""A method of planning a chain, called with a segment time [s] and the numbers of segments of given
-durations.
+"""A method of planning a chain. It is called with a segment time [s] and, for each motion, with its number of
+segments if its duration is given (None otherwise).
 
-It returns the planned motions; or a segment time to try; or a lower bound of the chain's duration, if that is
-too long; or None.
+It returns the planned motions, or a segment time to try next. It returns None if it has no plan, and `Beaten`
+with a lower bound of the chain's duration if another plan is certainly faster.
 """
 
 
 def linked(chain: Chain, links: Sequence[Link], grid: Grid) -> list[Piece]:
-    """Plan a chain of motions with the fewest stops at corners, unless that is much slower than the fastest
-    plan.
+    """Plan a chain of motions with the fewest stops at corners, unless such a plan is much slower than the
+    fastest one.
 
     Each motion can be executed by itself, so the chain always has a plan, if necessary with stops at corners.
-    A lower bound of the duration of each method is known long before its plan: a method that takes longer
-    than a finished plan is given up.
+    A method of planning knows a lower bound of the chain's duration long before its plan is complete. The
+    method is given up once this bound exceeds the duration of a finished plan.
     """
     as_one = flowing(links, grid)
     if as_one is not None and len(links) > MANY:
         return as_one
     inside = find_inside(chain, links)
     steady_ones = None if len(links) > MANY else _Steady(chain, links, grid, inside)
-    # If all motions have a time or a speed, a steady chain that meets them can't be beaten: try it first.
+    # If all motions have a given duration or speed, no plan is better than a chain that keeps these durations
+    # and speeds through its corners: try it first.
     if steady_ones and all(link.duration is not None or link.full is not None for link in links):
         asked = steady_ones.made(0.0)
         if asked and _is_as_asked(links, asked[-1]):
             return asked[-1]
     flows = [] if as_one is None else [as_one]
     apart_ones = list[list[Piece]]()
-    # Separate laws: with less of the limits, each law is slower, but laws may overlap more.
+    # Try profiles that are planned separately. With a smaller share of the limits, each profile is slower,
+    # but the profiles may overlap more.
     for share in _SHARES:
         quickest = _quickest(flows + apart_ones)
         way = partial(apart, chain, links, share, inside, (quickest, quickest / _FOR_FLOW))
         made = _made(way, links, grid)
         if isinstance(made, list):
             apart_ones.append(made)
-    found = flows + apart_ones
+    plans = flows + apart_ones
     if steady_ones:
-        found = steady_ones.made(_ABOUT * _quickest(found)) + found
-    if not found:
-        return [link.as_alone for link in links]
-    # Of the chains that are not much slower than the fastest, take those with the fewest stops, then the
-    # fastest of these.
-    fastest = min(_duration(pieces) for pieces in found)
-    quick = [pieces for pieces in found if _duration(pieces) <= _FOR_FLOW * fastest]
+        plans = steady_ones.made(_ABOUT * _quickest(plans)) + plans
+    if not plans:
+        return _parted(chain, links, grid)
+    # Of the plans that are not much slower than the fastest, take those with the fewest stops, and of these
+    # the fastest.
+    fastest = min(_duration(pieces) for pieces in plans)
+    quick = [pieces for pieces in plans if _duration(pieces) <= _FOR_FLOW * fastest]
     fewest = min(_stops(pieces) for pieces in quick)
     quick = [pieces for pieces in quick if _stops(pieces) == fewest]
     enough = _ABOUT * min(_duration(pieces) for pieces in quick)
     return next(pieces for pieces in quick if _duration(pieces) <= enough)
+
+
+def _parted(chain: Chain, links: Sequence[Link], grid: Grid) -> list[Piece]:
+    """Plan a chain that can't be planned as a whole, as several chains with stops between them.
+
+    The robot stops at corners where even two motions alone can't flow into each other. If there is no such
+    corner, it stops in the middle of the chain.
+    """
+    count = len(links)
+    if count == 2 or count > MANY:
+        return [link.as_alone for link in links]
+    ends = [
+        place
+        for place in range(1, count)
+        if linked(chain, _alone(links, place - 1, place + 1), grid)[0].overlap is None
+    ]
+    edges = [0, *(ends or [count // 2]), count]
+    pieces = list[Piece]()
+    for begin, end in pairwise(edges):
+        part = _alone(links, begin, end)
+        pieces += linked(chain, part, grid) if len(part) > 1 else [part[0].as_alone]
+    return pieces
+
+
+def _alone(links: Sequence[Link], begin: int, end: int) -> list[Link]:
+    """Return a part of a chain as a chain that ends with a stop."""
+    *flow, last = links[begin:end]
+    return [*flow, replace(last, corner=None)]
 
 
 def _quickest(found: Sequence[list[Piece]]) -> float:
@@ -105,8 +137,8 @@ def _quickest(found: Sequence[list[Piece]]) -> float:
 
 
 def _is_as_asked(links: Sequence[Link], pieces: Sequence[Piece]) -> bool:
-    """Return True if each motion has a given duration, or reaches its requested speed: no better plan can
-    then be found.
+    """Return True if each motion has a given duration, or reaches its requested speed. Then no other plan can
+    be better.
     """
     return all(
         link.duration is not None or (link.full is not None and piece.kept > 1.0 - 1e-9)
@@ -118,7 +150,7 @@ def _is_as_asked(links: Sequence[Link], pieces: Sequence[Piece]) -> bool:
 class _Steady:
     """Planner of a chain that keeps its speed through corners.
 
-    `_least` has lower bounds of the chain's duration [s], by the longest segment time allowed [s].
+    `_least` maps a largest segment time [s] to a lower bound of the chain's duration [s] with such segments.
     """
 
     chain: Chain
@@ -131,24 +163,24 @@ class _Steady:
         """Return plans of the chain within the limits.
 
         A plan in which a motion misses its requested speed is included only if it takes no longer than
-        `at_most` [s]. Shorter segments are tried as well, since they leave more room for turns.
+        `at_most` [s]. Shorter segments are tried as well, since they give more room for the ramps at corners.
         """
-        found: list[list[Piece]] = []
+        plans: list[list[Piece]] = []
         grid, longest = self.grid, _LONGEST
-        while longest >= max(grid.smallest, _SHORTEST) and len(found) < 3:
+        while longest >= max(grid.smallest, _SHORTEST) and len(plans) < 3:
             shorter = replace(grid, largest=max(grid.smallest, min(grid.largest, longest)))
-            made = None
+            plan = None
             if self._least.get(longest, 0.0) <= at_most:
                 way = partial(steady, self.chain, self.links, self.inside, at_most)
-                made = _made(way, self.links, shorter)
-            if isinstance(made, Beaten):
-                self._least[longest] = made.least
-            if isinstance(made, list):
-                found.append(made)
-                if _is_as_asked(self.links, made):
+                plan = _made(way, self.links, shorter)
+            if isinstance(plan, Beaten):
+                self._least[longest] = plan.least
+            if isinstance(plan, list):
+                plans.append(plan)
+                if _is_as_asked(self.links, plan):
                     break
             longest /= 2.0
-        return found
+        return plans
 
 
 def _stops(pieces: list[Piece]) -> int:
@@ -172,7 +204,7 @@ def _made(way: Way, links: Sequence[Link], grid: Grid) -> list[Piece] | Beaten |
 
 
 def _segment(links: Sequence[Link], grid: Grid) -> float:
-    """Return a segment time [s] of which all given durations are integer multiples, at least
+    """Return a segment time [s] such that all given durations are integer multiples of it, at least
     approximately.
     """
     longest = max(
@@ -185,8 +217,8 @@ def _segment(links: Sequence[Link], grid: Grid) -> float:
     least = max(FEWEST_SEGMENTS, math.ceil(shortest / longest - 1e-9))
     most = max(least, math.floor(shortest / grid.smallest))
     numbers = np.arange(least, most + 1)
-    # Divide the shortest given duration by 1, 2, 3, ... segments, and measure by how much the other durations
-    # miss a whole number of these segments.
+    # Divide the shortest given duration into 1, 2, 3, ... segments, and measure by how much the other
+    # durations differ from an integer number of these segments.
     counts = given[None] * (numbers / shortest)[:, None]
     miss = (np.abs(counts - np.round(counts)) * (shortest / numbers)[:, None]).max(axis=1)
     exact = miss < _EXACT
@@ -201,14 +233,15 @@ def _middles(links: Sequence[Link], segment: float) -> list[int | None] | None:
     The entry of any other motion is None. The whole result is None if a motion would have too few segments.
     """
     middles: list[int | None] = []
-    behind, counted = 0.0, 0
+    elapsed, counted = 0.0, 0
     for link in links:
         if link.duration is None:
             middles.append(None)
             continue
-        # Round the sum, so that the whole chain is exact even if a seam can't be.
-        behind += link.duration
-        number = round(behind / segment) - counted
+        # Round the elapsed time, not each duration, so that the duration of the whole chain is exact even if
+        # those of its motions can't be.
+        elapsed += link.duration
+        number = round(elapsed / segment) - counted
         counted += number
         if number < FEWEST_SEGMENTS:
             return None

@@ -1,4 +1,6 @@
-"""Decide which motions flow into each other, and how far the blended curve may stay from each corner."""
+"""Decide which motions flow into each other, and the allowed distance of the blended curve from each
+corner.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +27,7 @@ from yarclang.hir import (
     Step,
     TimedMove,
 )
-from yarclang.motion.cartesian import CartesianPath
+from yarclang.motion.cartesian import CartesianPath, extent_of
 from yarclang.motion.chains import messages
 from yarclang.motion.chains.blend import Corner, way_length
 from yarclang.motion.chains.links import Link
@@ -36,13 +38,13 @@ from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.model import Robot
 
 _TANGENT = 1e-3
-"""Difference of directions [rad], and of turns [rad per m], up to which they count as equal."""
+"""Difference up to which directions [rad], and rotations per length [rad/m], count as equal."""
 
 _ROUNDING = 1e-9
-"""Excess over a half that counts as rounding."""
+"""Relative amount by which a blend may exceed half of a path: a rounding error."""
 
 _NO_WAY = 1e-9
-"""Length below which a path has no half [m or rad]."""
+"""Length below which a path counts as a point [m or rad]. No motion can flow into or out of such a path."""
 
 
 def chained(
@@ -52,14 +54,14 @@ def chained(
     ways: Mapping[int, Path | FrameWay],
     found: list[list[Diagnostic]],
 ) -> Iterator[tuple[list[int], list[Link]]]:
-    """Group the motions of a program into chains that flow without a stop; most chains are a single motion.
+    """Group the motions of a program into chains that flow without a stop. Most chains are a single motion.
 
     Args:
         robot: the robot.
         steps: the steps of the program.
         links: each motion that can be executed by itself, by the index of its step.
-        ways: the paths of all motions as far as known, those of faulty motions included, so that faults of
-            their blends are reported at once.
+        ways: all known paths of motions, by the index of the step. Faulty motions are included, so that
+            faults of their blends are reported at once.
         found: the findings of each step; those about blends are added.
 
     Yields:
@@ -87,16 +89,16 @@ def chained(
 
 
 MANY = 40
-"""Number of motions above which the motions of a chain aren't planned by themselves, if the chain can be
-planned as one path.
+"""Number of motions up to which the motions of a chain are also planned one by one. A longer chain is planned
+only as one path, if possible.
 """
 
 
 def long_chains(steps: Sequence[Step]) -> frozenset[int]:
-    """Return the step indices of motions in chains of more than `MANY` motions, judged by their BLENDs
-    alone.
+    """Return the step indices of all motions in chains of more than `MANY` motions. Chains are recognized
+    only by the BLENDs that connect motions.
     """
-    found: list[int] = []
+    numbers: list[int] = []
     chain: list[int] = []
     for number, step in enumerate(steps):
         if isinstance(step, SetOutput):
@@ -104,13 +106,13 @@ def long_chains(steps: Sequence[Step]) -> frozenset[int]:
         if isinstance(step, Motion):
             chain.append(number)
         if not isinstance(step, Motion) or step.blend is None:
-            found += chain if len(chain) > MANY else ()
+            numbers += chain if len(chain) > MANY else ()
             chain = []
-    return frozenset(found)
+    return frozenset(numbers)
 
 
 class _Room(NamedTuple):
-    """How far the blended curve may stay from a corner; see `Corner`."""
+    """The largest allowed distance of the blended curve from a corner; the fields are those of `Corner`."""
 
     radius: float
     flange_from_moving: Array | None
@@ -133,27 +135,27 @@ def _corner(
     assert isinstance(step, Motion)
     assert step.blend is not None
     # Outputs between two motions don't interrupt a blend.
-    behind = number + 1
-    while behind < len(steps) and isinstance(steps[behind], SetOutput):
-        behind += 1
-    following = steps[behind] if behind < len(steps) else None
+    after = number + 1
+    while after < len(steps) and isinstance(steps[after], SetOutput):
+        after += 1
+    following = steps[after] if after < len(steps) else None
     if not isinstance(following, Motion | Gap) or isinstance(following, TimedMove):
         if number in links:
             findings.add(*messages.nothing_to_flow_into(following, step.origin))
         return None
-    first, second = ways.get(number), ways.get(behind)
+    first, second = ways.get(number), ways.get(after)
     if any(way is not None and way_length(way) < _NO_WAY for way in (first, second)):
-        if number in links and behind in links:
+        if number in links and after in links:
             findings.add(*messages.nothing_to_flow_into(following, step.origin))
         return None
     if not isinstance(step, _IN_JOINTS) or not isinstance(following, (*_IN_JOINTS, Gap)):
         is_long = number in links and links[number].by_itself is None
         room = _of_frame(robot, step, following, (first, second), step.blend, findings, is_long=is_long)
-    elif isinstance(following, Gap):  # it may or may not be a joint motion
+    elif isinstance(following, Gap):  # the gap may stand for a joint motion or another one
         return None
     else:
         room = _between_joints(robot, step, (first, second), step.blend, findings)
-    if room is None or number not in links or behind not in links:
+    if room is None or number not in links or after not in links:
         return None
     return Corner(links[number].path.end, *room)
 
@@ -167,8 +169,8 @@ _Ways = tuple[Path | FrameWay | None, Path | FrameWay | None]
 def _between_joints(
     robot: Robot, step: Motion, ways: _Ways, blend: Reading, findings: Collector
 ) -> _Room | None:
-    """Return how far joints may stay from a corner between joint motions; None with a finding if the BLEND
-    doesn't fit.
+    """Return the allowed distance of each joint from a corner between joint motions. If the BLEND doesn't
+    fit, return None and add a finding.
 
     Each revolute joint stays within an angle of the corner, each prismatic joint within a length.
     """
@@ -181,7 +183,7 @@ def _between_joints(
         return None
     if not reach.any():
         return _tangent(step, ways, None, findings)
-    # The joint that moves farthest leaves the ball first.
+    # The joint that moves farthest, relative to its allowed distance, decides if the BLEND fits.
     halves = [
         math.inf
         if way is None or isinstance(way, FrameWay)
@@ -210,7 +212,8 @@ def _of_frame(
     *,
     is_long: bool,
 ) -> _Room | None:
-    """Return how far the moving frame may stay from a corner; None with a finding if the BLEND doesn't fit.
+    """Return the allowed distance of the moving frame from a corner. If the BLEND doesn't fit, return None
+    and add a finding.
 
     In a long chain, or if the blend may be smaller (`or_less`), the distance is limited to half of the
     shorter path.
@@ -236,37 +239,39 @@ def _of_frame(
 def _frame_way(robot: Robot, path: Path | FrameWay, frame: Array) -> float:
     """Return the distance that a frame on the flange travels along a path [m]."""
     if isinstance(path, CartesianPath | FrameWay):
-        return path.frame.length
+        length, turns = extent_of(path.frame)
+        return 0.0 if turns else length
     places = tool_poses(robot.chain, path.joints(np.linspace(0.0, 1.0, 129)), frame)[:, :3, 3]
     return float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())
 
 
 def _tangent(step: Motion, ways: _Ways, frame: Array | None, findings: Collector) -> _Room | None:
-    """Return the allowed distance of a corner with BLEND 0, which is 0; None with a finding if the corner is
-    sharp.
+    """Return a distance of 0 for a corner with BLEND 0. If the corner is sharp, return None and add a
+    finding.
 
-    Such a corner needs paths that continue in one direction, or a frame motion with a tolerance of its own.
+    At any corner with BLEND 0, both paths must have one direction, unless the command of a Cartesian motion
+    sets a tolerance.
     """
     first, second = ways
     if first is None or second is None:
         return None
     if isinstance(first, CartesianPath | FrameWay) != isinstance(second, CartesianPath | FrameWay):
-        findings.add(*messages.not_tangent(None, step.origin))
+        findings.add(*messages.not_tangent(None, False, step.origin))
         return None
     ahead, behind = _direction(first, 1.0), _direction(second, 0.0)
-    # Angle between the directions, and difference of the turns per distance.
+    # Compare the directions, and the rotations per distance.
     bend = float(np.arccos(np.clip(ahead[0] @ behind[0], -1.0, 1.0)))
     twist = float(np.linalg.norm(ahead[1] - behind[1]))
     is_within = frame is not None and step.tolerance is not None
     if (bend > _TANGENT or twist > _TANGENT) and not is_within:
-        findings.add(*messages.not_tangent((bend, twist), step.origin))
+        findings.add(*messages.not_tangent((bend, twist), frame is not None, step.origin))
         return None
     return _Room(0.0, frame)
 
 
 def _direction(path: Path | FrameWay, s: float) -> tuple[Array, Array]:
-    """Return the direction of a path at one of its ends as a unit vector, and the frame's turn per distance
-    along the path [rad per m].
+    """Return the direction of a path at one of its ends as a unit vector, and the frame's rotation per
+    distance there [rad/m].
     """
     if isinstance(path, CartesianPath | FrameWay):
         tangent = path.frame.tangents(np.array([s]))[0]
@@ -276,5 +281,6 @@ def _direction(path: Path | FrameWay, s: float) -> tuple[Array, Array]:
         return ways / size, turns
     step = 1e-6
     pair = path.joints(np.array([0.0, step]) if s == 0.0 else np.array([1.0 - step, 1.0]))
+    # One-sided difference quotient at the end of the path.
     slope = (pair[1] - pair[0]) / step
     return slope / np.linalg.norm(slope), np.zeros(3)

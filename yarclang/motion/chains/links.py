@@ -9,7 +9,7 @@ from yarclang.hir import Array
 from yarclang.motion.cartesian import CartesianPath
 from yarclang.motion.chains.blend import Corner
 from yarclang.motion.curve import Curve
-from yarclang.motion.framespeed import top_speeds
+from yarclang.motion.framespeed import KEPT, top_speeds
 from yarclang.motion.limits import Bounds
 from yarclang.motion.path import Path
 from yarclang.motion.profile import Profile
@@ -20,9 +20,9 @@ from yarclang.robot.model import Tolerance
 class Link:
     """One motion of a chain, before the chain is planned.
 
-    `duration` [s] is None if the limits or a speed determine the duration. `full` [s] is the duration of the
-    whole path at a requested speed. `corner` is the corner to the next motion, None after the last.
-    `by_itself` is the curve of the motion planned alone, None until it is needed.
+    `duration` [s] is the given duration, or None. `full` [s] is the duration of the whole path at a requested
+    speed, or None. `corner` is the corner to the next motion, None for the last motion. `by_itself` is the
+    curve of the motion planned alone, None until it is needed.
     """
 
     path: Path
@@ -36,7 +36,7 @@ class Link:
 
     @property
     def alone(self) -> Curve:
-        """The curve of the motion planned by itself; it must have been planned."""
+        """The curve of the motion planned alone. It must have been planned before."""
         assert self.by_itself is not None
         return self.by_itself
 
@@ -47,14 +47,17 @@ class Link:
         if self.full is not None:
             kept = self.full * float(np.diff(self.alone.law).max()) / self.alone.segment
             if kept < 1.0 and isinstance(self.path, CartesianPath):
-                # At a sharp place of its path, the frame is slightly faster or slower than its law.
+                # At a sharp bend of its path, the frame is slightly faster or slower than the motion profile.
                 shares = np.array(top_speeds(self.path, self.alone)) * self.full / self.path.extent[0]
-                kept, least = max(kept, float(shares[0])), min(1.0, float(shares[1]))
+                top, least = float(shares[0]), min(1.0, float(shares[1]))
+                # If the certificate doesn't allow this difference, the largest speed of the frame counts as
+                # reached.
+                kept = top if top < kept * (1.0 - KEPT) else max(kept, top)
         return Piece(self.alone, None, self.alone.law, min(1.0, kept), least)
 
     @property
     def speed(self) -> float | None:
-        """The speed that the program requests for the moving frame [m/s, or rad/s for a pure turn], or
+        """The speed that the program requests for the moving frame [m/s, or rad/s for a pure rotation], or
         None.
         """
         if self.full is None or not isinstance(self.path, CartesianPath):
@@ -63,7 +66,7 @@ class Link:
 
     @property
     def own_bounds(self) -> Bounds:
-        """The limits of the motion; without the jerk limit if its motion profile has none."""
+        """The limits of the motion; without a limit on jerk if its motion profile has none."""
         return self.bounds if self.profile.has_jerk_limit else self.bounds.without_jerk()
 
 
@@ -73,9 +76,9 @@ class Piece:
 
     `curve` goes from the middle of one overlap to the middle of the next. `overlap` is the number of segments
     of the overlap at the end of the motion (0: both paths are kept; None: a stop). `law` are the control
-    values of the profile that the motion has by itself, from rest to rest. `kept` is the share of a requested
-    speed that is reached and kept. If the speed changes on the way, `least` is the share below which it
-    doesn't fall after it has been reached.
+    values of the motion's own profile, from rest to rest. `kept` is the share of the requested speed that is
+    reached. `least` is the share that is kept after it has been reached; it is smaller if the speed varies
+    along the path.
     """
 
     curve: Curve

@@ -1,4 +1,4 @@
-"""Decide for how long two consecutive motions may overlap at a corner."""
+"""Find the number of segments by which two consecutive motions may overlap at a corner."""
 
 from __future__ import annotations
 
@@ -30,46 +30,50 @@ from yarclang.motion.trials import Trial
 from yarclang.robot.model import Chain, Tolerance
 
 _WITHIN = 0.98
-"""Share of a ball that is used: between the samples, the curve may be slightly farther from the corner."""
+"""Share of a ball's radius that samples of the curve may use. Between samples, the curve may be slightly
+farther from the corner.
+"""
 
 _ROUNDING = 1e-6
-"""Share of a ball by which joint positions may differ from the poses for which they were solved."""
+"""Share of a ball's radius that is added for rounding, when poses are checked before joint positions are
+computed.
+"""
 
 SPEED_KEPT = 2e-4
-"""Share by which a speed may be exceeded and still counts as kept."""
+"""Relative amount by which a speed may exceed the requested one."""
 
 _WIDTHS = 14
-"""Number of widths of an overlap that are tried, from the widest that has room downwards."""
+"""Number of widths of an overlap that are tried, the widest first."""
 
 _SHARE_OF_TOLERANCE = 0.7
 
 
 _INSIDE = 0.97
-"""Share of a ball that the paths in it may use."""
+"""Share of a ball's radius up to which a place on a path counts as inside the ball."""
 
 Inside = tuple[float, float]
-"""The shares of the paths before and after a corner that are in its ball; at most a half each."""
+"""The shares of the paths before and after a corner that are inside its ball; each is at most a half."""
 
 
 def find_inside(chain: Chain, links: Sequence[Link]) -> list[Inside]:
-    """Return, for each corner of a chain, which share of the path before and of the path after it is in the
-    corner's ball; a half at most.
+    """Return for each corner of a chain the shares of the paths before and after it that are inside the
+    corner's ball; each is at most a half.
     """
-    found: list[Inside] = []
+    inside: list[Inside] = []
     back = np.linspace(0.0, 0.5, 65)
-    for one, other in pairwise(links):
-        assert one.corner is not None
-        if one.corner.is_tangent:
-            found.append((0.5, 0.5))
+    for first, second in pairwise(links):
+        assert first.corner is not None
+        if first.corner.is_tangent:
+            inside.append((0.5, 0.5))
             continue
-        before = one.corner.farthest(chain, one.path.joints(1.0 - back[::-1]))[::-1]
-        behind = one.corner.farthest(chain, other.path.joints(back))
-        found.append((_first_out(back, before), _first_out(back, behind)))
-    return found
+        before = first.corner.farthest(chain, first.path.joints(1.0 - back[::-1]))[::-1]
+        after = first.corner.farthest(chain, second.path.joints(back))
+        inside.append((_first_out(back, before), _first_out(back, after)))
+    return inside
 
 
 def _first_out(back: Array, far: Array) -> float:
-    """Return which share of a path, counted from the corner, is in the corner's ball; a half at most.
+    """Return the share of a path, counted from the corner, that is inside the corner's ball; at most a half.
 
     Args:
         back: (N,) places along the path, as shares of the path counted from the corner.
@@ -87,7 +91,8 @@ def _first_out(back: Array, far: Array) -> float:
 def changes_speed(one: Link, other: Link) -> bool:
     """Return True if the requested speed changes at a corner at which the path must be kept.
 
-    Two overlapping motion profiles would be too fast on one side of such a corner, or too slow on the other.
+    Motion profiles that overlap at such a corner would be too fast on one side of it, or too slow on the
+    other.
     """
     if one.corner is None or not one.corner.is_tangent or one.speed is None or other.speed is None:
         return False
@@ -102,18 +107,19 @@ class Overlaps:
     links: Sequence[Link]
     segment: float
     _last: dict[tuple[Trial, Trial, int], Array] = field(default_factory=dict)
-    """The last superposition, since most superpositions are needed twice."""
+    """The last superposition with its arguments, since most superpositions are needed twice."""
 
     def serves(self, first: Part, second: Part, place: int, overlap: int) -> bool:
-        """Return True if motion number `place` and the next may overlap by `overlap` segments: the curve
-        stays in the corner's ball, or on tangent paths, and within limits.
+        """Return True if motion number `place` and the next one may overlap by `overlap` segments.
+
+        The curve must stay in the corner's ball, or on both paths if they are tangent, and within limits.
         """
         corner = self.links[place].corner
         if corner is None or overlap > min(first.segments, second.segments):
             return False
         if changes_speed(self.links[place], self.links[place + 1]):
             return False
-        # On paths of the frame, its place follows from the poses, so joint positions are checked last.
+        # On Cartesian paths, the frame's position can be computed without inverse kinematics: check it first.
         is_framed = corner.radius > 0.0 and leads_frame(first.path, second.path, corner.flange_from_moving)
         if is_framed and not self._is_near(first, second, corner, overlap):
             return False
@@ -129,10 +135,11 @@ class Overlaps:
         return not is_framed or self._in_ball(first, second, corner, overlap)
 
     def excess(self, first: Part, second: Part, place: int, overlap: int) -> float:
-        """Return the moving frame's largest speed in an overlap as a ratio to the requested one; 0 if none
-        was requested.
+        """Return the ratio of the moving frame's largest speed in an overlap to the requested speed; 0 if no
+        speed was requested.
 
-        The speed is sampled at the knots and between them. The larger of two requested speeds counts.
+        The speed is sampled at the knots and in the middle between them. If both motions request a speed, the
+        larger one counts.
         """
         links = self.links[place : place + 2]
         asked = [link.speed for link in links if link.speed is not None]
@@ -140,6 +147,7 @@ class Overlaps:
         if not asked or corner is None:
             return 0.0
         points = self._superposed(first, second, corner, overlap)
+        # Take the control points on which the curve in the overlap depends, and one segment on either side.
         begin = max(first.segments - overlap - 1, 0)
         curve = Curve(points[begin : begin + overlap + 5], self.segment, np.empty(0))
         q, rate, _ = curve.sample(np.arange(2 * curve.segments + 1, dtype=float) * (self.segment / 2.0))
@@ -159,10 +167,9 @@ class Overlaps:
         return self._last[key]
 
     def _is_near(self, first: Part, second: Part, corner: Corner, overlap: int) -> bool:
-        """Return False if the summed poses show that the frame leaves the ball around its corner in an
-        overlap.
+        """Return False if the frame leaves the ball around its corner in an overlap.
 
-        This quick check needs no inverse kinematics.
+        This quick check adds poses, and needs no inverse kinematics.
         """
         done = knot_values(first.trial.control)[-1 - overlap :]
         begun = knot_values(second.trial.control)[: overlap + 1]
@@ -180,14 +187,15 @@ class Overlaps:
         return bool(corner.farthest(self.chain, inner).max(initial=0.0) <= _WITHIN)
 
     def _on_both(self, first: Part, second: Part, points: Array, overlap: int, tolerance: Tolerance) -> bool:
-        """Return True if the curve follows one of two tangent paths, checked in the middle of each segment of
-        their overlap.
+        """Return True if the curve follows one of two tangent paths during their overlap. It is checked in
+        the middle of each segment.
         """
         begin = first.segments - overlap
         q = middle_values(points[begin : begin + overlap + 3])
         done = middle_values(first.trial.control)[-overlap:]
         begun = middle_values(second.trial.control)[:overlap]
         lengths = way_length(first.path), way_length(second.path)
+        # Add the distances along both paths; the second path begins at lengths[0].
         gone = done * lengths[0] + begun * lengths[1]
         for path, here, s in (
             (first.path, gone <= lengths[0], gone / lengths[0]),
@@ -203,23 +211,23 @@ class Overlaps:
         return True
 
     def _loosest(self, place: int) -> Bounds:
-        """Return the limits that apply in the overlap of two motions: the larger limit of the two in each
-        quantity.
+        """Return the limits that apply in the overlap of two motions: for each quantity, the larger limit of
+        the two.
         """
-        one, other = (link.own_bounds for link in self.links[place : place + 2])
+        first, second = (link.own_bounds for link in self.links[place : place + 2])
         return replace(
-            one,
-            velocity=np.maximum(one.velocity, other.velocity),
-            acceleration=np.maximum(one.acceleration, other.acceleration),
-            jerk=np.maximum(one.jerk, other.jerk),
-            motor_velocity=np.maximum(one.motor_velocity, other.motor_velocity),
-            zones=one.zones.together(other.zones) if one.zones else other.zones,
+            first,
+            velocity=np.maximum(first.velocity, second.velocity),
+            acceleration=np.maximum(first.acceleration, second.acceleration),
+            jerk=np.maximum(first.jerk, second.jerk),
+            motor_velocity=np.maximum(first.motor_velocity, second.motor_velocity),
+            zones=first.zones.together(second.zones) if first.zones else second.zones,
         )
 
     def cut(
         self, parts: Sequence[Part], overlaps: Sequence[int], kept: Sequence[float] | None = None
     ) -> list[Piece]:
-        """Return the planned motions of a chain: its curve, cut in the middle of each overlap.
+        """Return the planned motions of a chain: cut its curve in the middle of each overlap.
 
         `kept` are the shares of the requested speeds that are reached.
         """
@@ -230,12 +238,14 @@ class Overlaps:
         pieces = []
         for place, (part, begin) in enumerate(zip(parts, starts, strict=True)):
             before = overlaps[place - 1] // 2 if place else 0
-            behind = overlaps[place] // 2 if place < len(overlaps) else 0
-            first, last = begin + before, begin + part.segments - behind
-            law = part.trial.control[before : part.segments - behind + 3]
+            after = overlaps[place] // 2 if place < len(overlaps) else 0
+            first, last = begin + before, begin + part.segments - after
+            # The first half of an overlap belongs to the motion before it, the second half to the next
+            # motion.
+            law = part.trial.control[before : part.segments - after + 3]
             curve = Curve(points[first : last + 3], self.segment, law)
             pieces.append(
-                Piece(curve, 2 * behind or None, part.trial.control, 1.0 if kept is None else kept[place])
+                Piece(curve, 2 * after or None, part.trial.control, 1.0 if kept is None else kept[place])
             )
         return pieces
 
@@ -244,12 +254,12 @@ def widest(serves: Callable[[int], bool], most: int) -> int:
     """Return approximately the largest even overlap up to `most` for which `serves` is True; 0 if none is
     found.
 
-    The sum of two profiles doesn't change monotonically with their overlap. Sizes in geometric progression
-    are tried first, then the interval above the best one.
+    A smaller overlap isn't always better. Therefore sizes in geometric progression are tried first, the
+    largest first. Then the interval above the first size that serves is searched.
     """
     if most < 2:
         return 0
-    # Count in pairs of segments, since an overlap is even.
+    # Count in pairs of segments, since an overlap must be even.
     widths = np.unique(np.round(np.geomspace(1, most // 2, _WIDTHS)).astype(int))[::-1].tolist()
     place = next((place for place, pairs in enumerate(widths) if serves(2 * pairs)), None)
     if place is None:

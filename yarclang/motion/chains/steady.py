@@ -1,9 +1,9 @@
-"""Plan chains that keep their speed through corners: the ramps of both motions are exactly as long as their
-overlap.
+"""Plan chains that keep their speed through corners: at each corner, both motions have ramps exactly as long
+as their overlap.
 
 The speed that the first motion loses in its last ramp is gained by the second one in its first ramp. Two
-lines in one direction are therefore traversed at one speed, and at a corner one velocity changes into the
-other over the whole overlap. This is possible only for motion profiles with a constant cruise speed.
+lines in one direction are therefore traversed at constant speed. At a corner, the first velocity changes into
+the second one over the whole overlap. This is possible only for motion profiles with a constant cruise speed.
 """
 
 from __future__ import annotations
@@ -20,41 +20,45 @@ from yarclang.motion.chains.between import STEEPNESS, Between, Turn, law_of
 from yarclang.motion.chains.blend import Part
 from yarclang.motion.chains.links import Link, Piece
 from yarclang.motion.chains.overlaps import SPEED_KEPT, Inside, Overlaps, changes_speed
-from yarclang.motion.framespeed import finer_for_speed
+from yarclang.motion.framespeed import KEPT, finer_for_speed, largest_speed
 from yarclang.motion.path import Path
 from yarclang.motion.trapezoid import FEWEST_IN_BLEND
 from yarclang.motion.trials import Trials
 from yarclang.robot.model import Chain
 
 _SLOWER = 1.08
-"""Factor by which a motion that demands too much is slowed down."""
+"""Factor by which a motion that breaks a limit is usually slowed down in one round."""
 
 _CAUTIOUS = 0.9
-"""Share of its excess by which a motion is slowed down at once: its ramps and corners change with its
-speed.
+"""Share of the required slow-down that is applied in one round. Ramps and corners change with the speed, so a
+smaller slow-down than computed may suffice.
 """
 
 _MOST_ROUNDS = 40
-"""Number of times that a chain is slowed down before it is given up."""
+"""Largest number of rounds in which a chain is slowed down."""
 
 _TOO_SLOW = 3.0
-"""Ratio of a motion's duration to its duration by itself, above which stops are better."""
+"""Factor by which a motion in the chain may take longer than the motion alone. Above it, stops at its ends
+are better.
+"""
 
 _OUTER = (1 / 3, 0.45, 0.6)
-"""Shares of a given time that speeding up from rest, or slowing down to rest, may take."""
+"""Shares of a given duration that a ramp from rest or to rest may take."""
 
 _BESIDE_ZONES = 1.005
-"""Factor by which a cruise is at first slower than a slow zone allows: ramps and corners are rounded
-differently from the path.
+"""Factor by which a cruise is at first planned slower than a slow zone allows, since ramps and corners are
+rounded differently from the path.
 """
 
 _ROUNDING = 1e-9
-"""Share by which a speed may miss the requested one and still counts as exact."""
+"""Relative amount by which a speed may miss the requested one and still counts as exact."""
 
 
 @frozen
 class Beaten:
-    """A chain that takes at least `least` [s], which is too long."""
+    """The result of planning a chain that can't be faster than a known plan: it takes at least `least`
+    [s].
+    """
 
     least: float
 
@@ -75,19 +79,19 @@ def steady(
         inside: for each corner, as returned by `find_inside`.
         at_most: duration [s] above which a chain that misses a requested speed is of no use.
         segment: the segment time [s].
-        middles: for each motion with a given duration, its number of segments from the middle of one overlap
-            to the middle of the next.
+        middles: for each motion with a given duration, its number of segments from the middle of one
+            overlap to the middle of the next.
 
     Returns:
-        The planned motions; or a shorter segment time to try; or a lower bound of the duration, if the chain
-        is of no use; or None if the limits don't allow it.
+        The planned motions, or a shorter segment time to try. If the chain is of no use, `Beaten` with a
+        lower bound of its duration. None if the limits don't allow such a chain.
     """
     if not all(link.profile.has_cruise for link in links):
         return None
     if any(changes_speed(one, other) for one, other in pairwise(links)):
         return None
     maker = _Maker(links, Overlaps(chain, links, segment), segment, middles, inside, at_most)
-    # Only motions with given times depend on this share.
+    # Only motions with given durations depend on the share `outer`.
     given = any(link.full is None and middle is not None for link, middle in zip(links, middles, strict=True))
     shares = _OUTER if given else _OUTER[:1]
     beaten_ones = list[Beaten]()
@@ -120,7 +124,7 @@ class _Maker:
     def made(self, outer: float) -> list[Piece] | float | Beaten | None:
         """Plan the chain.
 
-        In motions with given durations, a ramp from rest or to rest takes the share `outer` of the duration.
+        Ramps from rest or to rest take the share `outer` of the duration if a motion's duration is given.
         """
         count = len(self.links)
         cruises = self._foreseen([self._first_cruise(place, outer) for place in range(count)])
@@ -131,8 +135,9 @@ class _Maker:
                 return Beaten(least)
             turns = [self._turn(place, cruises) for place in range(count - 1)]
             slow = {
-                # First, both motions at a corner without room are slowed down; then motions that break their
-                # own limits; then motions at corners that break a limit or a speed.
+                # Slow down both motions at a corner without room. If there is no such corner, slow down
+                # motions that break their own limits, and then motions beside a corner that breaks a limit or
+                # a speed.
                 place + side: _SLOWER
                 for place, turn in enumerate(turns)
                 if turn is None
@@ -152,7 +157,7 @@ class _Maker:
                 slow = self._slow_corners(parts, taken)
             if not slow:
                 return self._finished(parts, taken, cruises)
-            # A motion with a given time can't be slowed down, but the motion that it flows into may be.
+            # A motion with a given duration can't be slowed down, but its neighbour may be.
             free = [place for place in slow if self._is_free(place)]
             if not free:
                 return None
@@ -162,21 +167,22 @@ class _Maker:
         return None
 
     def _keep_together(self, cruises: list[float]) -> None:
-        """Slow down motions so that both motions at a corner where the path must be kept have the same share
-        of their requested speeds.
+        """Slow down motions so that neighbours have equal shares of their requested speeds, at corners where
+        the path must be kept.
         """
-        # One pass forwards and one backwards carry the slowest share through a run of tangent corners.
+        # One pass forwards and one pass backwards carry the slowest share along successive tangent corners.
         for order in (range(len(cruises) - 1), range(len(cruises) - 2, -1, -1)):
             for place in order:
                 corner, pair = self.links[place].corner, self.links[place : place + 2]
                 if corner is None or not corner.is_tangent or any(link.full is None for link in pair):
                     continue
                 fulls = [(link.full or 0.0) / self.segment for link in pair]
+                # A larger number of segments is slower: the slower of the two motions decides.
                 share = max(cruises[place] / fulls[0], cruises[place + 1] / fulls[1])
                 cruises[place], cruises[place + 1] = share * fulls[0], share * fulls[1]
 
     def _foreseen(self, cruises: list[float]) -> list[float]:
-        """Return the cruises, slowed down to the estimated fastest speeds at which the corners can be passed.
+        """Return the cruises, slowed down to the estimated highest speeds at which the corners can be passed.
 
         The estimate uses only the directions of the paths at the corners.
         """
@@ -191,13 +197,14 @@ class _Maker:
             if not slow or any(self._is_too_slow(place, cruises[place]) for place in slow):
                 break
             for place in slow:
+                # Slow down slightly more than required, so that the loop ends.
                 cruises[place] *= asked[place] + 1e-3
             self._keep_together(cruises)
         return cruises
 
     def _slow_corners(self, parts: list[Part], turns: list[Turn]) -> dict[int, float]:
-        """Return the motions beside corners that break a limit or a speed, each with the factor by which it
-        should be slower.
+        """Find the corners that break a limit or a speed. Return the motions beside them, each with the
+        factor by which it should be slower.
         """
         slow: dict[int, float] = {}
         for place, turn in enumerate(turns):
@@ -222,21 +229,41 @@ class _Maker:
                 finer = finer_for_speed(link.path, part.trial, self.segment)
                 if finer is not None:
                     return finer
+        overlaps = [turn.overlap for turn in turns]
+        ends = [0, *overlaps, 0]
         kept = [
-            1.0 if link.full is None else link.full / self.segment / cruise
-            for link, cruise in zip(self.links, cruises, strict=True)
+            self._kept(place, part, cruise, slice(ends[place], part.segments - ends[place + 1]))
+            for place, (part, cruise) in enumerate(zip(parts, cruises, strict=True))
         ]
-        return self.corners.cut(parts, [turn.overlap for turn in turns], kept)
+        return self.corners.cut(parts, overlaps, kept)
+
+    def _kept(self, place: int, part: Part, cruise: float, own: slice) -> float:
+        """Return the share of the requested speed that a motion reaches outside of its overlaps."""
+        link = self.links[place]
+        if link.full is None:
+            return 1.0
+        kept = link.full / self.segment / cruise
+        if link.speed is None or own.start >= own.stop:
+            return kept
+        assert isinstance(link.path, CartesianPath)
+        law = part.trial.control[own.start : own.stop + 3]
+        if link.full / self.segment * float((law[2:] - law[:-2]).max()) / 2.0 >= kept * (1.0 - KEPT):
+            return kept
+        # Without a cruise, the profile reaches its speed only for an instant, and the curve stays below this
+        # speed: measure the speed.
+        reached = largest_speed(link.path, part.trial, self.segment, own) / link.speed
+        return kept if reached >= kept * (1.0 - KEPT) else reached
 
     def _is_too_slow(self, place: int, cruise: float) -> bool:
-        """Return True if a motion is so slow that stops at both its ends take less time."""
+        """Return True if a motion is so slow that stopping at both of its ends takes less time."""
         return self._is_free(place) and cruise * self.segment > _TOO_SLOW * self.links[place].alone.duration
 
     def _least(self, cruises: list[float]) -> float | None:
         """Return a lower bound of the chain's duration [s]; None as long as all motions are as fast as
         requested.
 
-        From the middle of one corner to the middle of the next, a motion covers its path at its cruise speed.
+        The time from the middle of one corner to the middle of the next is that of the whole path at cruise
+        speed.
         """
         taken, is_as_asked = 0.0, True
         for link, middle, cruise in zip(self.links, self.middles, cruises, strict=True):
@@ -251,23 +278,25 @@ class _Maker:
         return self.middles[place] is None
 
     def _is_outer(self, place: int) -> tuple[bool, bool]:
-        """Return two values: whether a motion starts from rest, and whether it ends at rest."""
+        """Return two flags: True if a motion starts from rest, and True if it ends at rest."""
         return place == 0, place == len(self.links) - 1
 
     def _first_cruise(self, place: int, outer: float) -> float:
-        """Return the number of segments in which the whole path of a motion is traversed at full speed.
+        """Return the number of segments in which the whole path of a motion is traversed at cruise speed.
 
-        The number follows from a given duration or speed; otherwise it is approximately the smallest possible
-        one.
+        It follows from a given duration or speed. Otherwise it is approximately the smallest possible number.
         """
         link, middle = self.links[place], self.middles[place]
         if link.full is not None:
             return link.full / self.segment
         if middle is not None:
             blend = round(outer * middle)
-            # A ramp of `blend` segments from rest covers as much path as half of them at full speed.
+            # A ramp of `blend` segments from rest covers as much path as half of these segments at cruise
+            # speed.
             return middle - blend / 2.0 * sum(self._is_outer(place))
         bounds, slope = link.own_bounds, link.path.slope
+        # |K J q'| is at most |K J| |q'|. On a straight path in joint space, q' is constant, and the exact
+        # value is used.
         motors = np.abs(bounds.counts) @ slope / bounds.motor_velocity
         if link.path.is_straight_in_joints:
             motors = np.abs(bounds.counts @ (link.path.end - link.path.start)) / bounds.motor_velocity
@@ -276,28 +305,29 @@ class _Maker:
         return max(limits, _BESIDE_ZONES * zones) / self.segment
 
     def _turn(self, place: int, cruises: list[float]) -> Turn | None:
-        """Return the widest overlap that fits into a corner's ball at these speeds, with the ramps that suit
-        the limits best; None if there is no room.
+        """Return the widest overlap that fits into a corner's ball at these speeds, with the ramps that need
+        the least slow-down; None if there is no room.
         """
-        one, other = cruises[place], cruises[place + 1]
-        before, behind = self.inside[place]
-        # In its ramp a motion covers as much path as in half of the overlap at full speed; this part must be
-        # in the ball.
-        overlap = 2 * int(min(one * before, other * behind) + 1e-9)
-        # If ramps begin between two knots, the overlap must have room for both shifted copies.
+        first, second = cruises[place], cruises[place + 1]
+        before, after = self.inside[place]
+        # In its ramp, a motion covers as much path as in half of the overlap at cruise speed. This part of
+        # the path must be in the ball.
+        overlap = 2 * int(min(first * before, second * after) + 1e-9)
+        # A ramp that begins between two knots is a mixture of two ramps that begin at these knots. The
+        # overlap must have room for both.
         width = overlap - (0 if self.on_knots else 1)
         if width < FEWEST_IN_BLEND:
             return None
         bounds = self.links[place].own_bounds, self.links[place + 1].own_bounds
-        # The joints' velocities change from one motion's to the other's, over h. A change over `width`
-        # segments, with a share for the rise of the acceleration, has the peaks change / ((1 - share) width
-        # h^2) and change / ((1 - share) share width^2 h^3).
-        change = np.abs(self.slopes[place][1] / one - self.slopes[place + 1][0] / other)
+        # The joints' velocities change by change / h from one motion to the other. If this takes `width`
+        # segments, and the acceleration rises in a share of them, the peaks are change / ((1 - share) width
+        # h^2) for the acceleration and change / ((1 - share) share width^2 h^3) for the jerk.
+        change = np.abs(self.slopes[place][1] / first - self.slopes[place + 1][0] / second)
         h = self.segment
         acceleration = np.maximum(bounds[0].acceleration, bounds[1].acceleration)
         bend = float((change / (width * h**2) / acceleration).max())
         snap = float((change / (width**2 * h**3) / np.maximum(bounds[0].jerk, bounds[1].jerk)).max())
-        # Slower motions also have wider overlaps.
+        # A slow-down also makes the overlaps wider, which reduces the peaks further.
         asked = {
             share: max((bend / (1.0 - share)) ** (1 / 2), (snap / ((1.0 - share) * share)) ** (1 / 3))
             for share in STEEPNESS
@@ -306,9 +336,9 @@ class _Maker:
         return Turn(width, max(1, min(round(steep * width), width // 2)), overlap, asked[steep])
 
     def _parts(self, cruises: list[float], turns: list[Turn]) -> list[Part | float]:
-        """Return the planned motions; each one is planned after the motion before it.
+        """Plan the motions, from the first to the last.
 
-        For a motion that breaks its own limits, the item is the factor by which it must be slower.
+        If a motion breaks its own limits, its item is the factor by which it must be slower.
         """
         parts: list[Part | float] = []
         phase = 0.0

@@ -1,10 +1,11 @@
 """Compute the paths of many straight lines and arcs together, before the robot's position at the start of
 each is known.
 
-The end of a line or an arc to a given pose depends only on the arm configuration, not on the path there. The
-robot's present configuration is therefore assumed for the whole run, and all samples of all paths are solved
-at once. Only paths that stay in this configuration without any decision are kept: for these, `track` returns
-the same bits. All others are computed one by one by `track`.
+If a line or an arc goes to a given pose, the joint position at its end depends only on the arm configuration,
+not on the path to the pose. Therefore the robot's present configuration is assumed for all these motions, and
+all samples of all paths are solved together. Only paths that stay in this configuration without any decision
+are kept: for these, `track` would return the same result to the last bit. All other paths are computed one by
+one by `track`.
 """
 
 from __future__ import annotations
@@ -30,22 +31,25 @@ from yarclang.robot.kinematics.wrist import TURN
 from yarclang.robot.model import Robot
 
 _STANDS = 1e-6
-"""Distance up to which a configuration counts as the robot's present one [rad]."""
+"""Difference of joint positions up to which an inverse-kinematics solution counts as the robot's position
+[rad].
+"""
 
 _SHORT, _LITTLE = 0.01, 0.1
-"""Length [m] and turn [rad] below which a path among many others is sampled at only `_FEW` places."""
+"""Length [m] and rotation [rad] below which a path in a long chain is sampled at only `_FEW` places."""
 _FEW = 5
-"""See `_SHORT`."""
+"""Number of places at which a short path is sampled; see `_SHORT`."""
 
 MOST_IN_CHAINS = 512
-"""Largest number of motions of a long chain that are followed together; each is sampled at few places."""
+"""Largest number of motions of a long chain that are computed together."""
 
 
 @dataclass(slots=True)
 class WaysAhead:
-    """Maker of the paths of consecutive straight lines and arcs to given poses, many at once if possible.
+    """Maker of the paths of consecutive straight lines and arcs to given poses. It computes many at once if
+    possible.
 
-    `chained` are the steps in long chains, whose short paths keep fewer places.
+    `chained` are the indices of steps in long chains, whose short paths are sampled at few places.
     """
 
     robot: Robot
@@ -55,8 +59,8 @@ class WaysAhead:
     _growing: Growing = field(default_factory=Growing)
 
     def path(self, number: int, stands: Array) -> CartesianPath | None:
-        """Return the path of step `number` from the joint position `stands` (n,) [rad]; None if the path has
-        to be computed by itself.
+        """Return the path of step `number` from the joint position `stands` (n,) [rad]; None if this path
+        can't be computed together with others.
         """
         found = self._ready.pop(number, None)
         if found is not None and np.array_equal(found.start, stands):
@@ -79,8 +83,9 @@ class WaysAhead:
         return self._ready.pop(number, None)
 
     def _run(self, number: int, size: int) -> tuple[list[int], list[LineMove | ArcMove]]:
-        """Return up to `size` consecutive lines and arcs to given poses of one frame, from step `number` on,
-        as the indices of the steps and the steps.
+        """Return up to `size` consecutive lines and arcs of one frame to given poses, from step `number` on.
+
+        The result has the indices of the steps, and the steps.
         """
         numbers, steps = list[int](), list[LineMove | ArcMove]()
         for here in range(number, len(self.steps)):
@@ -100,7 +105,7 @@ class WaysAhead:
     def _followed(
         self, arm: Form, steps: list[LineMove | ArcMove], stands: Array, *, is_chain: bool
     ) -> list[CartesianPath]:
-        """Return the arm's paths for consecutive motions to given poses, the first one from the joint
+        """Return the arm's paths for consecutive motions to given poses. The first motion starts at the joint
         position `stands` (n,).
 
         The result ends before the first motion that jumps between configurations, meets a singularity or
@@ -112,8 +117,8 @@ class WaysAhead:
         begin = tool_poses(chain, stands[None], tool)
         wanted = [goal.base_from_moving for goal in goals]
         ends = np.concatenate((begin, wanted)) @ flange_from_moving
-        # All branches of all goals at once; the branch that the robot is on at the start is kept for the
-        # whole run.
+        # Compute all inverse-kinematics branches of all goals at once. For all motions, take the branch to
+        # which the robot's position at the start belongs.
         corners = closed_form(arm, ends, stands[:, None])
         branch = _standing(corners.q[:, :, 0].T, stands)
         if branch is None or corners.singular.any():
@@ -126,8 +131,8 @@ class WaysAhead:
         is_short = is_chain and all(way.length < _SHORT and way.angle < _LITTLE for way in ways)
         s = np.linspace(0.0, 1.0, _FEW if is_short else SAMPLES)
         skeleton = _poses_along(ways, s) @ flange_from_moving
-        # A path is plain if the branch is followed without a jump or a singularity. Keep the paths before the
-        # first one that isn't.
+        # A path is plain if it stays in this branch without a jump or a singularity. Keep the paths before
+        # the first one that isn't plain.
         q, is_plain = plain_strands(arm, skeleton, s, starts[: len(ways)], branch)
         is_plain &= (np.abs(beyond(self.robot.limits, q)) <= EDGE).all(axis=(1, 2))
         s.setflags(write=False)
@@ -144,8 +149,8 @@ def _same(one: Array, other: Array) -> bool:
 
 
 def _ways(steps: list[LineMove | ArcMove], poses: Array, goals: list[Array]) -> list[Line | Arc]:
-    """Return the paths of the moving frame for consecutive motions, from `poses` (m, 4, 4) to the goals (4,
-    4).
+    """Return the paths of the moving frame for consecutive motions, from the start poses `poses` (m, 4, 4) to
+    the goals (4, 4).
 
     The result ends before the first motion that has no path, or doesn't move.
     """
@@ -172,7 +177,7 @@ def _standing(branches: Array, stands: Array) -> int | None:
     """Return the index of the inverse-kinematics branch in `branches` (8, n) that equals the robot's position
     `stands` (n,).
 
-    The result is None if there isn't exactly one such branch.
+    The result is None unless exactly one branch equals this position.
     """
     away = np.abs(next_to(branches, stands)[1]).max(axis=1)
     found = np.flatnonzero(away < _STANDS)
@@ -180,18 +185,18 @@ def _standing(branches: Array, stands: Array) -> int | None:
 
 
 def _unwound(ends: Array, stands: Array) -> Array:
-    """Return the joint positions (m + 1, n) at which consecutive lines begin: `stands` (n,), and the ends (m,
-    n) of the lines before.
+    """Return the joint positions (m + 1, n) at the start `stands` (n,) and at the `ends` (m, n) of
+    consecutive lines.
 
-    Full turns are added to each joint position so that it is nearest to the one before.
+    Full turns are added to each joint position so that it is as near as possible to the one before.
     """
     starts = np.concatenate((stands[None], ends))
-    # Remove full turns between consecutive ends, all at once, then check the result end by end.
+    # Remove full turns between all consecutive ends at once, then check each end.
     starts[1:] -= TURN * np.cumsum(np.round((ends - np.concatenate((starts[:1], ends[:-1]))) / TURN), axis=0)
     near = next_to(ends, starts[:-1])[0]
     off = np.flatnonzero((near != starts[1:]).any(axis=1))
     starts[1:] = near
-    # If a joint moves by half a turn, rounding decides: follow the lines one by one.
+    # If a joint moves by half a turn, the result depends on rounding: from there on, add turns one by one.
     for number in range(off[0] if len(off) else len(ends), len(ends)):
         starts[number + 1] = next_to(ends[number], starts[number])[0]
     return starts

@@ -1,5 +1,5 @@
-"""Lead arms with redundant joints past obstacles on a Cartesian path, by joint motions that leave the moving
-frame on its path (self-motion).
+"""Move a redundant arm past obstacles on a Cartesian path, by joint motions that keep the moving frame on its
+path (self-motion).
 """
 
 from __future__ import annotations
@@ -17,26 +17,27 @@ from yarclang.robot.kinematics.bending import bent
 from yarclang.robot.kinematics.singularity import smallest_singular_values
 
 _PLACES = 65
-"""Least number of places of a path that are checked for obstructions; at least three for each place at which
-the arm was followed.
+"""Least number of places of a path that are checked for obstructions. At least three are checked for each
+place at which inverse kinematics was solved.
 """
 
 _WANTED = 0.02
 """Distance that bodies and zones should keep in addition to their margins if possible [m]."""
 
 _CLEAR = 1.5 * NEAR
-"""Smallest singular value above which nothing is gained by a larger one."""
+"""Smallest singular value of the Jacobian above which closeness to a singularity has no cost."""
 
 _SINGULAR = 0.5
-"""Cost of a singularity relative to that of bodies that touch."""
+"""Cost of a singularity, relative to the cost of bodies that touch."""
 
 
 def kept_clear(solver: Solver, step: Motion, path: CartesianPath) -> CartesianPath:
-    """Return another joint motion along the same frame path that is free of obstructions.
+    """Find a joint motion that is free of obstructions along the frame path of `path`, and return it as a
+    path.
 
-    The given path is returned if it is free already, or if no other joint motion is found. A joint motion
-    that isn't slowed by a singularity is preferred. A path that is free is never changed: avoiding a
-    singularity may demand more of the joints than passing it.
+    The given path is returned if it is free already, or if no other joint motion is found. Among several, a
+    joint motion that isn't slowed by a singularity is preferred. A free path isn't changed to avoid a
+    singularity, since this may demand more of the joints than passing it.
     """
     robot = solver.robot
     room = solver.room(step) if robot.size > 6 else None
@@ -45,8 +46,8 @@ def kept_clear(solver: Solver, step: Motion, path: CartesianPath) -> CartesianPa
     velocity = robot.limits.velocity
 
     def cost(q: Array) -> Array:
-        # Cost of a posture: closeness to a singularity plus closeness to bodies and zones, each from 0 to
-        # about 1.
+        # Cost of a joint position: closeness to a singularity plus closeness to bodies and zones, each from 0
+        # to about 1.
         smallest = smallest_singular_values(robot.chain, q, path.flange_from_moving)
         total: Array = _SINGULAR * np.maximum(1.0 - smallest / _CLEAR, 0.0)
         return total + np.maximum(1.0 - room.clearances(q, _WANTED) / _WANTED, 0.0)
@@ -54,13 +55,13 @@ def kept_clear(solver: Solver, step: Motion, path: CartesianPath) -> CartesianPa
     poses = flange_poses_of(path.frame, path.flange_from_moving)
     better = path
     for followed in bent(robot.chain, robot.limits, poses, path.followed, cost):
-        other = replace(path, followed=followed)
-        if not _is_free(room, other):
+        candidate = replace(path, followed=followed)
+        if not _is_free(room, candidate):
             continue
-        if nearest_singularity(other, velocity) is None:
-            return other
+        if nearest_singularity(candidate, velocity) is None:
+            return candidate
         if better is path:
-            better = other
+            better = candidate
     return better
 
 

@@ -47,7 +47,7 @@ def frame_motion(solver: Solver, step: CartesianMove, stands: Array, findings: C
         path = kept_clear(solver, step, path)
         return Led(path, path.end, path.end[None])
     end = solver.nearest(goal, stands, step, findings)
-    if end is None:  # nor from elsewhere
+    if end is None:  # out of reach from any position
         return NOWHERE
     if not path.is_measured:
         reason: Reason = "measured" if solver.measures else "kind"
@@ -58,8 +58,8 @@ def frame_motion(solver: Solver, step: CartesianMove, stands: Array, findings: C
 
 
 def avoiding_line(solver: Solver, step: LineMove, stands: Array, findings: Collector) -> Led:
-    """Find a line from the joint position `stands` (n,) [rad or m], or a polyline if obstacles are on the
-    line.
+    """Find a line from the joint position `stands` (n,) [rad or m]. If obstacles are on the line, find a
+    polyline around them.
     """
     robot, tool = solver.robot, moving_frame(step)
     start = tool_poses(robot.chain, stands[None], tool)[0]
@@ -77,26 +77,26 @@ def avoiding_line(solver: Solver, step: LineMove, stands: Array, findings: Colle
         solver.nearest(goal, stands, step, findings)
         return NOWHERE
     efforts = QUICK if solver.is_again else EFFORTS
-    found = find_course(solver.room(step), line, straight, stands, goals, efforts, solver.searches)
-    if isinstance(found, NoWay):
+    course = find_course(solver.room(step), line, straight, stands, goals, efforts, solver.searches)
+    if isinstance(course, NoWay):
         end = goals[0] if straight is None else straight.end
-        is_blocked = found.start is not None or found.goal is not None
-        if straight is None and not is_blocked and found.tries == 0:
+        is_blocked = course.start is not None or course.goal is not None
+        if straight is None and not is_blocked and course.tries == 0:
             return frame_motion(solver, step, stands, findings)
-        findings.add(*no_way(robot, found, step.origin))
+        findings.add(*no_way(robot, course, step.origin))
         return Led(None, end, None, straight is None and not is_blocked)
-    if len(found.paths) > 1:
-        findings.add(*way_of_lines(found, step))
-    shares = found.shares(robot.limits).tolist()
-    legs = tuple(map(LineLeg, found.poses, found.paths, shares))
-    end = found.paths[-1].end
-    return Led(found.paths[-1], end, end[None], legs=legs)
+    if len(course.paths) > 1:
+        findings.add(*way_of_lines(course, step))
+    shares = course.shares(robot.limits).tolist()
+    legs = tuple(map(LineLeg, course.poses, course.paths, shares))
+    end = course.paths[-1].end
+    return Led(course.paths[-1], end, end[None], legs=legs)
 
 
 def frame_way(step: CartesianMove, flange: Array, findings: Collector) -> tuple[FrameWay | None, PoseGoal]:
     """Return the path of the moving frame and its goal, without joint positions.
 
-    The path is None if there is none; a finding is then added.
+    If the frame has no path to the goal, None is returned instead of the path, and a finding is added.
 
     Args:
         step: the motion.
@@ -116,16 +116,16 @@ def moving_frame(step: CartesianMove) -> Array:
 
 
 def _goal(step: CartesianMove, start: Array) -> PoseGoal:
-    """Return the goal pose of a motion; `start` (4, 4) is the moving frame's pose at the start, to which
-    increments are added.
+    """Return the goal pose of a motion. If the goal is an increment, it is added to the moving frame's pose
+    `start` (4, 4).
     """
     goal = step.goals[-1]
     return _absolute(goal, start) if isinstance(goal, PoseDelta) else goal
 
 
 def _frame_path(step: CartesianMove, start: Array, goal: PoseGoal, findings: Collector) -> FramePath | None:
-    """Return the path of the moving frame from its pose `start` (4, 4); None, with a finding, if
-    there is none.
+    """Return the path of the moving frame from its pose `start` (4, 4). If there is none, return None and add
+    a finding.
     """
     match step:
         case LineMove():
@@ -144,9 +144,9 @@ def _frame_path(step: CartesianMove, start: Array, goal: PoseGoal, findings: Col
                 np.array([start, *(waypoint.base_from_moving for waypoint in step.waypoints)])
             )
             if isinstance(spline, int):
-                findings.add(*messages.half_turn(step.origin, f"at way-point {spline} "))
+                findings.add(*messages.half_turn(step.origin, f"at waypoint {spline} "))
                 return None
-            if spline is None:  # all way-points are at the frame's present place
+            if spline is None:  # all waypoints are equal to the frame's present pose
                 return line_between(start, start)
             _note_swing(spline, step, findings)
             timed = step.timing.speed is not None and spline.slowest > 1e-3 * spline.length > 0.0
@@ -154,7 +154,7 @@ def _frame_path(step: CartesianMove, start: Array, goal: PoseGoal, findings: Col
 
 
 def _note_swing(spline: PoseSpline, step: PoseSplineMove, findings: Collector) -> None:
-    """Add a note if a spline of the moving frame swings far out of the box around its way-points."""
+    """Add a note if a spline of the moving frame swings far out of the box around its waypoints."""
     low, low_at, high, high_at = spline.positions.extremes()
     points = spline.positions.values
     swing = np.maximum(points.min(axis=0) - low, high - points.max(axis=0))
@@ -174,5 +174,6 @@ def _absolute(delta: PoseDelta, start: Array) -> PoseGoal:
         axes = start[:3, :3] @ delta.flange_from_moving[:3, :3].T @ delta.axes
     pose = np.eye(4)
     pose[:3, 3] = start[:3, 3] + axes @ delta.shift
+    # The rotation is given in `axes`: convert it to {B}, and apply it to the present orientation.
     pose[:3, :3] = axes @ delta.turn @ axes.T @ start[:3, :3]
     return PoseGoal(pose, delta.flange_from_moving)

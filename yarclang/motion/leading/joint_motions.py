@@ -22,10 +22,10 @@ from yarclang.progress import go_on
 from yarclang.robot.model import Robot
 
 _FEWEST_TOGETHER, _MOST_TOGETHER = 32, 1_024
-"""The least and the largest number of poses of a spline that are solved together."""
+"""Smallest and largest number of a spline's poses for which inverse kinematics is solved together."""
 
 _CONFIGURATIONS = 3
-"""Number of solutions of a pose that are tried until one can be reached."""
+"""Largest number of inverse-kinematics solutions of a pose to which a path is searched for."""
 
 
 def joint_motion(
@@ -33,7 +33,7 @@ def joint_motion(
 ) -> Led:
     """Find the path of a straight motion in joint space from `stands` (n,) [rad or m].
 
-    `choice` (n,) is the inverse-kinematics solution to take for the goal pose; None for the nearest one.
+    `choice` (n,) is the inverse-kinematics solution for the goal pose; None to choose the nearest one.
     """
     if isinstance(step.goal, JointDelta):
         end: Array | None = stands + step.goal.dq
@@ -51,7 +51,8 @@ def avoiding_motion(
 ) -> Led:
     """Find the path of a joint motion around obstacles.
 
-    Of the inverse-kinematics solutions for its goal pose, the nearest one to which there is a path is taken.
+    The inverse-kinematics solutions of a goal pose are tried one after the other, the nearest first, until a
+    path is found.
     """
     end = _end(solver, step, step.goal, stands, findings, choice)
     if end is None or any(one.is_error for one in findings.found):
@@ -61,12 +62,12 @@ def avoiding_motion(
     if isinstance(way, NoWay) and way.start is None and choice is None and isinstance(step.goal, PoseGoal):
         others = solver.others(step.goal, stands, step) if is_free(step.goal) else iter(())
         for other in islice(others, _CONFIGURATIONS - 1):
-            found = find_way(
+            way_to_other = find_way(
                 room, stands, other, efforts=QUICK if solver.is_again else OTHERS, searches=solver.searches
             )
-            if isinstance(found, Way):
+            if isinstance(way_to_other, Way):
                 findings.add(*configuration_without_way(solver.robot, step, other, end, way))
-                end, way = other, found
+                end, way = other, way_to_other
                 break
     if isinstance(way, NoWay):
         findings.add(*no_way(solver.robot, way, step.origin))
@@ -94,8 +95,9 @@ def _end(
 def spline_motion(
     solver: Solver, step: SplineMove, stands: Array, findings: Collector, choice: Array | None = None
 ) -> Led:
-    """Find the path of a spline in joint space. `choice` (n,) is the inverse-kinematics solution to take for
-    its last pose; None for the nearest one.
+    """Find the path of a spline in joint space.
+
+    `choice` (n,) is the inverse-kinematics solution for its last pose; None to choose the nearest one.
     """
     waypoints: list[Array] = []
     near, together = stands, _FEWEST_TOGETHER
@@ -105,7 +107,7 @@ def spline_motion(
         if len(alike) >= _FEWEST_TOGETHER:
             go_on()
             found = solver.chosen_in_turn(alike, near, step)
-            # Solve more way-points together as long as none needs a decision.
+            # As long as no waypoint needs a decision, solve twice as many together the next time.
             together = min(2 * together, _MOST_TOGETHER) if len(found) == len(alike) else _FEWEST_TOGETHER
             if len(found):
                 waypoints += list(found)
@@ -116,7 +118,7 @@ def spline_motion(
         elif isinstance(goal, JointGoal):
             q = goal.q
         else:
-            q = solver.chosen(goal, near, step, findings, f"way-point {place}: ")
+            q = solver.chosen(goal, near, step, findings, f"waypoint {place}: ")
         if q is None:
             return NOWHERE
         waypoints.append(q)
@@ -132,8 +134,9 @@ def spline_motion(
 
 
 def timed_motion(solver: Solver, step: TimedMove, stands: Array, findings: Collector) -> Led:
-    """Find the path of a timetable from `stands` (n,) [rad or m]. A first row at time 0 must equal this
-    position.
+    """Find the path of a timetable from `stands` (n,) [rad or m].
+
+    If the timetable has a row at time 0, its joint position must equal `stands`.
     """
     robot, table = solver.robot, step.table
     last = table.positions[-1]
@@ -156,10 +159,10 @@ def timed_motion(solver: Solver, step: TimedMove, stands: Array, findings: Colle
 
 
 def _alike(step: SplineMove, begin: int, most: int) -> list[PoseGoal]:
-    """Return up to `most` consecutive way-points whose inverse kinematics is solved together, from number
+    """Return up to `most` consecutive waypoints whose inverse kinematics can be solved together, from number
     `begin` (counted from 0) on.
 
-    They are poses of one frame, and never include the last way-point.
+    They are poses of one frame. The last waypoint is never among them.
     """
     alike: list[PoseGoal] = []
     for goal in step.waypoints[begin : min(begin + most, len(step.waypoints) - 1)]:
@@ -174,7 +177,7 @@ def _alike(step: SplineMove, begin: int, most: int) -> list[PoseGoal]:
 def _swings_within_limits(robot: Robot, spline: SplinePath, step: SplineMove, findings: Collector) -> bool:
     """Return True if a spline stays within joint limits everywhere.
 
-    A note is added if it swings far beyond its way-points.
+    A note is added if it swings far beyond its waypoints.
     """
     low, low_at, high, high_at = spline.extremes()
     limits = robot.limits

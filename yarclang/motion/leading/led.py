@@ -1,4 +1,4 @@
-"""Define the path that is found for a motion, before the motion has a time."""
+"""Define the result of finding a motion's path. The motion has no times yet."""
 
 from __future__ import annotations
 
@@ -10,8 +10,10 @@ from yarclang.motion.path import Path
 
 @frozen(eq=False)
 class LineLeg:
-    """One leg of a polyline around obstacles: `pose` (4, 4) of the moving frame at its end, the arm's `path`
-    to this pose, and its `share` in the duration of all legs.
+    """One leg of a polyline around obstacles.
+
+    `pose` (4, 4) is the pose of the moving frame at the leg's end, and `path` the arm's path to it. `share`
+    is the leg's share of the duration of all legs.
     """
 
     pose: Array
@@ -23,10 +25,10 @@ class LineLeg:
 class Led:
     """The result of finding the path of a motion.
 
-    `path` is None if the motion can't be done. `end` is the joint position at its end, if known. `waypoints`
-    (k, n) [rad or m] are the joint positions chosen for its way-points. `broken` is True if the motion can't
-    be done from the robot's position, though perhaps from another one. `legs` are the legs of a polyline
-    around obstacles; the `path` is then that of the last leg.
+    `path` is None if the motion can't be executed. `end` is the joint position at its end, if known.
+    `waypoints` (k, n) [rad or m] are the joint positions chosen for its waypoints. `broken` is True if the
+    motion can't be executed from the robot's position, though perhaps from another one. `legs` are the legs
+    of a polyline around obstacles; `path` is then the path of the last leg.
     """
 
     path: Path | None
@@ -43,7 +45,8 @@ NOWHERE = Led(None, None, None)
 class FrameWay:
     """The path of a moving frame with known ends but without joint positions.
 
-    After a motion that can't be done, no more than this is known of the motions that follow.
+    After a motion that can't be executed, the robot's joint position isn't known. The following motions are
+    then described by such paths.
     """
 
     frame: FramePath

@@ -1,6 +1,7 @@
-"""Check together if many given poses are in reach of the arm.
+"""Check together if the arm reaches many given poses.
 
-After a fault the robot's position isn't known, so each pose is checked by itself.
+After a fault in a motion the robot's position isn't known, so the poses of later motions are checked without
+it.
 """
 
 from __future__ import annotations
@@ -22,7 +23,9 @@ MOST_POSES = 512
 
 @dataclass(slots=True)
 class ReachedAhead:
-    """Checker of consecutive lines and arcs for goals that are certainly in reach."""
+    """Checker of the goals of consecutive lines and arcs. It checks many at once, and finds those that are
+    certainly in reach.
+    """
 
     robot: Robot
     steps: Sequence[Step]
@@ -30,8 +33,8 @@ class ReachedAhead:
     _growing: Growing = field(default_factory=lambda: Growing(MOST_POSES))
 
     def is_sure(self, number: int) -> bool:
-        """Return True if the goal of step `number` can certainly be reached; False if it needs a check by
-        itself.
+        """Return True if the goal of step `number` can certainly be reached; False if it must be checked
+        separately.
         """
         if number not in self._known:
             self._known = self._looked_at(number)
@@ -40,7 +43,8 @@ class ReachedAhead:
     def _looked_at(self, number: int) -> dict[int, bool]:
         """Return the results of the reach check for lines and arcs from step `number` on.
 
-        The result is empty if the step is neither, or if only a single step is requested.
+        The result is empty if step `number` is neither a line nor an arc, or if fewer than two goals are
+        found.
         """
         goals = dict[int, PoseGoal]()
         size = self._growing.size(number)

@@ -1,4 +1,4 @@
-"""Solve inverse kinematics of a frame's pose for the nearest joint position without obstruction."""
+"""Solve inverse kinematics for poses of a frame: find the nearest joint position without an obstruction."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ from yarclang.robot.model import Robot
 class Solver:
     """Solver of inverse kinematics for a robot in its cell, which avoids obstructions.
 
-    With `measures`, the distance of a pose out of reach is computed, and nearby poses are searched for if a
-    pose can't be taken. `is_again` is True if a search for this command found nothing in an earlier pass of a
-    loop; the next search is then short. `searches` is the number of paths around obstacles that are searched
-    for; the fastest is taken.
+    With `measures`, the solver computes how far poses are out of reach, and searches for similar poses if a
+    pose can't be reached without a collision. `is_again` is True if a search for a path of this command found
+    nothing in an earlier pass of a loop; the next search is then short. `searches` is the number of paths
+    around obstacles to find; the fastest one is used.
     """
 
     robot: Robot
@@ -46,16 +46,17 @@ class Solver:
     def nearest(
         self, goal: PoseGoal, near: Array, step: Motion, findings: Collector, which: str = ""
     ) -> Array | None:
-        """Return the joint position nearest to `near` that takes the moving frame to its goal.
+        """Return the joint position nearest to `near` at which the moving frame is at its goal.
 
-        Obstructions are ignored. The result is None, with a finding, if there is no such joint position.
+        Obstructions are ignored. If there is no such joint position, the result is None, and a finding is
+        added.
 
         Args:
-            goal: the goal pose; if it has a joint position NEAR of its own, that is used instead of `near`.
+            goal: the goal pose; a joint position that the program gives for it by NEAR replaces `near`.
             near: (n,) joint position [rad or m].
             step: the motion.
             findings: receives the finding.
-            which: words that name the way-point in messages.
+            which: words that name the waypoint in messages.
         """
         near = near if goal.near is None else goal.near
         chain, limits = self.robot.chain, self.robot.limits
@@ -69,27 +70,28 @@ class Solver:
     def chosen(
         self, goal: PoseGoal, near: Array, step: Motion, findings: Collector, which: str = ""
     ) -> Array | None:
-        """Return the joint position for a goal that is nearest to `near` among those without obstruction.
+        """Return the joint position for a goal that is nearest to `near` and free of obstructions.
 
         A finding is added if a nearer solution is obstructed. If all solutions are obstructed, the nearest
-        one is returned, with an error as finding. If the goal has a NEAR of its own, the solution nearest to
-        that is taken without this check. The result is None if the goal is out of reach.
+        one is returned, and an error is added. If the program gives a joint position for the goal by NEAR,
+        the solution nearest to that one is returned, even if it is obstructed. The result is None if the goal
+        is out of reach.
         """
         q = self.nearest(goal, near, step, findings, which)
         if q is None or goal.near is not None:
             return q
         room = self.room(step)
-        if room is None or room.is_free(q) or (found := room.obstruction(q)) is None:
+        if room is None or room.is_free(q) or (obstruction := room.obstruction(q)) is None:
             return q
         others = self._after(goal, near, q)
         other = next(room.free_among(others), None)
         if other is None:
             other = self._along_self_motion(goal, near, [q, *others], room)
         if other is not None:
-            findings.add(*configuration_blocked(self.robot, step, other, (q, found), which))
+            findings.add(*configuration_blocked(self.robot, step, other, (q, obstruction), which))
             return other
         asked = zip(others, room.obstructions(others), strict=True)
-        blocked = [(q, found), *((one, inside) for one, inside in asked if inside is not None)]
+        blocked = [(q, obstruction), *((one, inside) for one, inside in asked if inside is not None)]
         told = every_configuration_blocked(self.robot, step, blocked, which)
         findings.add(*self._with_changes(told, goal, near, step, which))
         return q
@@ -97,30 +99,28 @@ class Solver:
     def _along_self_motion(
         self, goal: PoseGoal, near: Array, blocked: list[Array], room: Room
     ) -> Array | None:
-        """Return the joint position of a redundant arm nearest to `near` at which nothing obstructs the arm.
-
-        The positions examined are those that the arm can take while its flange is at rest.
+        """Return the joint position of a redundant arm that is nearest to `near` and free of obstructions,
+        among those to which the arm can move while its flange is at rest.
         """
         chain, limits = self.robot.chain, self.robot.limits
         if chain.size <= 6:
             return None
         flange = flange_at(goal)
-        # The flange rests while the redundant arm moves through the solutions that are connected to the
-        # seeds.
+        # Start from the first blocked solutions, and move the redundant arm while its flange is at rest.
         seeds = blocked[:_SEEDS]
         if np.abs(beyond(limits, near)).max() <= EDGE and reaches(chain, flange, near):
-            # Include the robot's present position.
+            # Start from the robot's present position as well.
             seeds = [near, *seeds[:-1]]
         more = np.concatenate((np.array(seeds), self_motion(chain, limits, flange, np.array(seeds))))
         nearest = more[np.argsort(np.round(np.square(more - near).sum(axis=1), 9), kind="stable")]
         return next(room.free_among(list(nearest)), None)
 
     def chosen_in_turn(self, goals: Sequence[PoseGoal], near: Array, step: Motion) -> Array:
-        """Return the joint positions (k, n) that `chosen` returns for the first k of several goals of one
-        moving frame.
+        """Return the joint positions (k, n) that `chosen` would return for the first k of several goals of
+        one moving frame.
 
-        Each joint position is the one nearest to that before. The result ends before the first goal that
-        needs a decision or a finding.
+        Each joint position is the nearest to the one before. The result ends before the first goal that needs
+        a decision or a finding.
         """
         chain, limits = self.robot.chain, self.robot.limits
         moving = np.array([goal.base_from_moving for goal in goals])
@@ -133,8 +133,8 @@ class Solver:
         return q[: next(blocked, len(q))]
 
     def _with_changes(self, told: Message, goal: PoseGoal, near: Array, step: Motion, which: str) -> Message:
-        """Add helpful changes of the goal to a message about a pose that can't be taken; they are searched
-        for only with `measures`.
+        """Extend the finding that a goal pose can't be reached, or only with a collision: add changes of the
+        pose that would help. Without `measures`, no changes are searched for.
         """
         if not self.measures:
             return told
@@ -142,8 +142,9 @@ class Solver:
         return with_changes(told, goal, changes, step.origin, is_alone=not which)
 
     def solutions(self, goal: PoseGoal, near: Array) -> list[Array]:
-        """Return all inverse-kinematics solutions within limits, each with all its full turns, the nearest to
-        `near` first.
+        """Return all inverse-kinematics solutions within limits, the nearest to `near` first.
+
+        Solutions that differ by full turns of joints are listed separately.
         """
         chain, limits = self.robot.chain, self.robot.limits
         solved = nearest_solutions(chain, limits, flange_at(goal), near, measures=False)
@@ -154,10 +155,10 @@ class Solver:
         return list(turns[np.argsort(np.round(distance, 9), kind="stable")])
 
     def others(self, goal: PoseGoal, near: Array, step: Motion) -> Iterator[Array]:
-        """Yield the inverse-kinematics solutions other than the nearest one at which nothing obstructs the
-        arm, the nearest to `near` first.
+        """Yield the free inverse-kinematics solutions other than the nearest one, in order of their distance
+        from `near`.
 
-        Each is checked only when it is requested.
+        Each solution is checked for obstructions only when it is requested.
         """
         room = self.room(step)
         solved = nearest_solutions(
@@ -174,11 +175,11 @@ class Solver:
 
 
 _SEEDS = 6
-"""Solutions of a redundant arm from which its self-motion is followed."""
+"""Largest number of solutions from which the self-motion of a redundant arm is followed."""
 
 
 def is_free(goal: object) -> bool:
-    """Return True if a target has solutions to choose from."""
+    """Return True if a target leaves open which inverse-kinematics solution is taken."""
     return isinstance(goal, PoseGoal) and goal.near is None
 
 

@@ -1,4 +1,4 @@
-"""Define a circular arc of the moving frame; along the arc the frame turns about a fixed axis, in proportion
+"""Define a circular arc of the moving frame. Along the arc, the frame turns about a fixed axis, in proportion
 to the distance travelled.
 """
 
@@ -13,8 +13,8 @@ from yarclang.hir import Array
 from yarclang.motion.rotation import turn_between, turned
 
 NO_CIRCLE = 1e-6
-"""Distance of three points from each other [m], or from a line [rad], below which they determine no
-circle.
+"""Distance between two of three points [m], or angle between the lines from the first point to the others
+[rad], below which the points determine no circle.
 """
 
 
@@ -22,10 +22,10 @@ circle.
 class Arc:
     """A circular arc of the moving frame, as poses over s in {B}.
 
-    The frame's origin goes by the angle `sweep` [rad] about the axis `normal` (3,) through `centre` (3,) [m],
-    and the frame turns by `angle` [rad] about `axis` (3,). The arc begins at `base_from_start` (4, 4) and
-    ends exactly at `base_from_end` (4, 4), to the last bit, so that later motions don't depend on the digits
-    of the start.
+    The frame's origin moves by the angle `sweep` [rad] about the axis `normal` (3,) through `centre` (3,)
+    [m], and the frame turns by `angle` [rad] about `axis` (3,). The arc begins at `base_from_start` (4, 4)
+    and ends exactly at `base_from_end` (4, 4), to the last bit, so that later motions don't depend on the
+    digits of the start.
     """
 
     base_from_start: Array
@@ -73,8 +73,8 @@ class Arc:
 class NoArc:
     """The reason why three given points determine no arc.
 
-    Two of the points coincide (`apart` [m]), all three are on a line (`bend` [rad]), or the orientation turns
-    by half a revolution.
+    Two of the points coincide (their distance is `apart` [m]), all three are on a line (up to the angle
+    `bend` [rad]), or the orientation turns by 180 deg.
     """
 
     kind: Literal["coincident", "straight", "half turn"]
@@ -93,6 +93,7 @@ def arc_through(base_from_start: Array, via: Array, base_from_end: Array) -> Arc
         if apart < NO_CIRCLE:
             return NoArc("coincident", points, apart)
     across = np.cross(a, b)
+    # Angle between the lines from start to via and from start to end, from 0 to pi / 2.
     bend = float(np.arctan2(np.linalg.norm(across), abs(a @ b)))
     if bend < NO_CIRCLE:
         return NoArc("straight", bend=bend)
@@ -104,6 +105,7 @@ def arc_through(base_from_start: Array, via: Array, base_from_end: Array) -> Arc
     normal = across / np.linalg.norm(across)
     spoke = -middle
     to_end = b - middle
-    # The normal is that of start, via and end, so the sweep passes the via point, and is between 0 and 2 pi.
+    # The normal is that of the triangle start, via, end. The sweep therefore passes the via point, and is
+    # between 0 and 2 pi.
     sweep = float(np.arctan2(normal @ np.cross(spoke, to_end), spoke @ to_end)) % (2.0 * np.pi)
     return Arc(base_from_start, base_from_end, start + middle, normal, sweep, *turn)

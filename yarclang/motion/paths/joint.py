@@ -30,7 +30,7 @@ class JointPath:
 
     @property
     def places(self) -> Array:
-        """Empty: the line is the same everywhere."""
+        """An empty array, since a straight line has no bends."""
         return np.empty(0)
 
     def joints(self, s: Array) -> Array:

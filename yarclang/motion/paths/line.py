@@ -1,4 +1,4 @@
-"""Define a straight line of the moving frame; along the line the frame turns about a fixed axis, in
+"""Define a straight line of the moving frame. Along the line, the frame turns about a fixed axis, in
 proportion to the distance travelled.
 """
 
@@ -18,8 +18,8 @@ class Line:
     """A straight line of the moving frame, as poses over s from `base_from_start` (4, 4) to `base_from_end`
     (4, 4).
 
-    The frame moves by `shift` (3,) [m], of length `length` [m], and turns by `angle` [rad] about the unit
-    vector `axis` (3,), both in the axes of {B}. It ends exactly at `base_from_end`, to the last bit, so that
+    The frame moves by `shift` (3,) [m], over the distance `length` [m]. It turns by `angle` [rad] about the
+    unit vector `axis` (3,), in the axes of {B}. It ends exactly at `base_from_end`, to the last bit, so that
     later motions don't depend on the digits of the start.
     """
 
@@ -37,7 +37,7 @@ class Line:
 
     @property
     def is_point(self) -> bool:
-        """True if nothing moves."""
+        """True if the frame neither moves nor turns."""
         return self.length < 1e-12 and self.angle < NO_TURN
 
     def poses(self, s: Array) -> Array:
@@ -46,15 +46,15 @@ class Line:
         return poses
 
     def tangents(self, s: Array) -> Array:
-        """Return the derivatives of the frame's pose with respect to s (N, 6), which are constant along the
-        line; see `FramePath.tangents`.
+        """Return the derivatives of the frame's pose with respect to s, (N, 6); see `FramePath.tangents`.
+        They are constant along the line.
         """
         return np.tile(np.concatenate((self.shift, self.axis * self.angle)), (len(s), 1))
 
 
 def line_between(base_from_start: Array, base_from_end: Array) -> Line | None:
-    """Return the straight line between two poses (4, 4), with the short turn; None if the frame turns by half
-    a revolution, for which there is no short turn.
+    """Return the straight line between two poses (4, 4), along which the frame turns by the smaller angle.
+    The result is None if this angle is 180 deg, since the direction of rotation is then ambiguous.
     """
     turn = turn_between(base_from_start[:3, :3], base_from_end[:3, :3])
     if turn is None:
@@ -64,15 +64,15 @@ def line_between(base_from_start: Array, base_from_end: Array) -> Line | None:
 
 
 def lines_between(base_from_start: Array, goals: Sequence[Array]) -> list[Line | None]:
-    """Return the straight lines from poses (M, 4, 4) to as many goals (4, 4), with the same bits as
-    `line_between`.
+    """Return the straight lines from poses (M, 4, 4) to M goals (4, 4). They are identical to those of
+    `line_between` to the last bit.
     """
     ends = np.array(goals)
     axes, angles = turns_between(base_from_start[:, :3, :3], ends[:, :3, :3])
     shifts = ends[:, :3, 3] - base_from_start[:, :3, 3]
     lengths = np.sqrt((shifts[:, None] @ shifts[:, :, None]).ravel()).tolist()
     parts = zip(base_from_start, goals, axes, angles.tolist(), lengths, strict=True)
-    # NaN marks half a turn.
+    # NaN marks a rotation by 180 deg.
     return [Line(*part) if part[3] == part[3] else None for part in parts]
 
 
@@ -87,5 +87,6 @@ def poses_along(lines: Sequence[Line], s: Array) -> Array:
         starts[:, None, :3, 3] + s[:, None] * np.array([line.shift for line in lines])[:, None]
     )
     poses[..., 3, 3] = 1.0
+    # Set the ends exactly, to the last bit, so that later motions don't depend on the digits of the start.
     poses[:, s == 1.0] = np.array([line.base_from_end for line in lines])[:, None]
     return poses

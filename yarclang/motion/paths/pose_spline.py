@@ -1,4 +1,4 @@
-"""Define a smooth curve of the moving frame through way-points, in position and orientation."""
+"""Define a smooth curve of the moving frame through waypoints, in position and orientation."""
 
 from __future__ import annotations
 
@@ -16,41 +16,42 @@ from yarclang.motion.rotation import HALF_TURN
 from yarclang.progress import go_on
 
 SAME_PLACE = 1e-6
-"""Chord up to which poses count as one [m]: a robot that was led to the first way-point is there up to
-rounding.
+"""Chord up to which two poses count as equal [m]. A robot that has moved to the first waypoint stands there
+only up to rounding.
 """
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 _GAUSS_NODES, _GAUSS_WEIGHTS = (_NODES + 1.0) / 2.0, _WEIGHTS / 2.0
 _FEWEST, _PIECES = 8, 1024
-"""The least and the largest number of pieces of each leg for the measurement of lengths."""
+"""Smallest and largest number of pieces into which a leg is divided to measure its length."""
 
 _EACH_BEND = 64.0
-"""Number of pieces of a leg on which the velocity changes by as much as its least value.
+"""Factor in the number of pieces of a leg: the number is `_EACH_BEND` times the change of velocity on the
+leg, divided by the least speed on it.
 
-The inverse function, s over the length, is then exact to 1e-8 of the leg.
+The place s as a function of the length is then exact to 1e-8 of the leg.
 """
 
 _IN_ALL, _MOST_IN_ALL = 16_384, 4_194_304
-"""Bounds of the number of pieces of a whole curve.
+"""Approximate smallest and largest number of pieces of a whole curve.
 
-It has at least the first number as long as legs have fewer pieces than their largest number, and at most
-about the second number, however sharp the bends.
+A curve with few legs may have fewer pieces, since each leg has at most `_PIECES`. The largest number holds
+however sharp the bends are.
 """
 
 _AT_ONCE = 16_384
-"""Places at which speeds are computed between two checks for cancellation, which takes about 5 ms; they fit
-in the processor's cache.
+"""Number of places whose speeds are computed between two checks for cancellation. Computing them takes about
+5 ms, and their arrays fit in the processor's cache.
 """
 
 
 @dataclass(frozen=True)
 class PoseSpline:
-    """A smooth curve of the moving frame: natural cubic splines of position and of orientation over the chord
-    parameter, from 0 to 1.
+    """A smooth curve of the moving frame: natural cubic splines of position and of orientation. Their
+    parameter is proportional to the chord length, from 0 to 1.
 
-    `positions` (d = 3) are in m, `turns` (d = 4) are quaternions (x y z w). Interpolated quaternions still
-    have to be normalised.
+    `positions` (d = 3) are in m, `turns` (d = 4) are quaternions (x y z w). Quaternions between waypoints
+    aren't normalised yet.
     """
 
     positions: NaturalSpline
@@ -73,7 +74,7 @@ class PoseSpline:
 
     @property
     def legs(self) -> int:
-        """The number of legs between way-points."""
+        """The number of legs between waypoints."""
         return len(self.positions.knots) - 1
 
     def poses(self, s: Array) -> Array:
@@ -95,16 +96,16 @@ class PoseSpline:
         return np.concatenate((self.positions.slope_at(s), omega), axis=1)
 
     def at_length(self, share: Array) -> Array:
-        """Return the places s (N,) at which the frame's origin has covered given shares (N,) of its path
-        length.
+        """Return the places s (N,) at which the frame's origin has covered the given shares (N,) of the
+        path's length.
         """
         u, lengths = self._fine, self._lengths
         wanted = np.clip(share, 0.0, 1.0) * lengths[-1]
         piece = np.clip(np.searchsorted(lengths, wanted, side="right") - 1, 0, len(u) - 2)
         width = lengths[piece + 1] - lengths[piece]
         r = (wanted - lengths[piece]) / width
-        # Cubic Hermite interpolation of s as a function of length. The pieces are so short that it is
-        # practically exact.
+        # Interpolate s as a function of the length by cubic Hermite polynomials. The pieces are so short that
+        # this is practically exact.
         first, last = 1.0 / self._edge_speeds[piece], 1.0 / self._edge_speeds[piece + 1]
         s = (
             u[piece] * (1.0 + 2.0 * r) * (1.0 - r) ** 2
@@ -116,16 +117,15 @@ class PoseSpline:
 
     @cached_property
     def slowest(self) -> float:
-        """The least speed of the frame's origin per unit of s [m], at the places where lengths are
-        measured.
-        """
+        """The least derivative of the frame's position with respect to s [m], at the places `_fine`."""
         return float(self._edge_speeds.min())
 
     @cached_property
     def _pieces(self) -> NDArray[np.int64]:
-        """The number of pieces into which each leg is divided to measure its length (w - 1,), a power of two.
+        """The number of pieces into which each leg is divided to measure its length, (w - 1,); a power of
+        two.
 
-        It is larger for a leg on which the velocity changes more.
+        A leg on which the velocity changes more has more pieces.
         """
         spline = self.positions
         width, ends = np.diff(spline.knots), np.linalg.norm(spline.bends, axis=1)
@@ -135,6 +135,8 @@ class PoseSpline:
             least = np.minimum(
                 least, np.linalg.norm(spline.slope_on(np.arange(len(s)), s[:, None])[:, 0], axis=1)
             )
+        # y'' is linear on a leg, so the velocity changes by at most the width times the larger |y''| of both
+        # ends.
         change = width * np.maximum(ends[1:], ends[:-1])
         need = np.divide(_EACH_BEND * change, least, out=np.full(len(width), np.inf), where=least > 0.0)
         need = np.clip(need, max(_FEWEST, _IN_ALL // len(width)), max(_FEWEST, _MOST_IN_ALL // len(width)))
@@ -143,19 +145,22 @@ class PoseSpline:
 
     @cached_property
     def _legs(self) -> NDArray[np.intp]:
-        """The leg to which each piece of the length measurement belongs (P,)."""
+        """The index of the leg to which each piece belongs, (P,)."""
         return np.repeat(np.arange(self.legs), self._pieces)
 
     @cached_property
     def _fine(self) -> Array:
-        """The places s (P + 1,) at the ends of the pieces with which lengths are measured."""
+        """The places s (P + 1,) at the ends of the pieces."""
         knots, pieces, leg = self.positions.knots, self._pieces, self._legs
+        # Number of each piece within its leg.
         number = np.arange(len(leg)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
         return np.append(knots[:-1][leg] + np.diff(knots)[leg] * (number / pieces[leg]), 1.0)
 
     @cached_property
     def _edge_speeds(self) -> Array:
-        """The speed of the frame's origin per unit of s, at the ends `_fine` of all pieces (P + 1,) [m]."""
+        """The derivative of the frame's position with respect to s at the places `_fine`, as a length (P +
+        1,) [m].
+        """
         leg = np.append(self._legs, self.legs - 1)
         speeds = np.empty(len(leg))
         for part in _parts(len(leg), _AT_ONCE):
@@ -164,8 +169,8 @@ class PoseSpline:
 
     @cached_property
     def _lengths(self) -> Array:
-        """The distance that the frame's origin has covered up to the ends `_fine` of all pieces (P + 1,) [m],
-        by Gauss-Legendre quadrature.
+        """The distance that the frame's origin has covered at the places `_fine`, (P + 1,) [m]. It is
+        integrated by Gauss-Legendre quadrature.
         """
         u, leg = self._fine, self._legs
         pieces = np.empty(len(leg))
@@ -178,8 +183,8 @@ class PoseSpline:
         return np.concatenate(([0.0], np.cumsum(pieces)))
 
     def _speeds(self, leg: NDArray[np.intp], s: Array) -> Array:
-        """Return the speed of the frame's origin per unit of s [m], at places `s` (N, k) on legs `leg`
-        (N,).
+        """Return the derivative of the frame's position with respect to s, as a length [m], at places `s` (N,
+        k) on legs `leg` (N,).
         """
         speeds: Array = np.linalg.norm(self.positions.slope_on(leg, s), axis=2)
         return speeds
@@ -194,7 +199,7 @@ def _parts(count: int, size: int) -> Iterator[slice]:
 
 @frozen(eq=False)
 class AtConstantSpeed:
-    """A spline of poses, with the share of its length as its parameter: the frame's origin has constant
+    """A spline of poses whose parameter is the completed share of its length: the frame's origin has constant
     speed.
     """
 
@@ -212,7 +217,7 @@ class AtConstantSpeed:
 
     @property
     def legs(self) -> int:
-        """The number of legs between way-points."""
+        """The number of legs between waypoints."""
         return self.spline.legs
 
     def poses(self, s: Array) -> Array:
@@ -232,10 +237,11 @@ class AtConstantSpeed:
 def through_poses(poses: Array) -> PoseSpline | int | None:
     """Return the smooth curve through `poses` (w, 4, 4); None if all are equal.
 
-    Equal neighbours count as one pose. If two neighbours differ by half a revolution, there is no short turn
-    between them, and the number of the later one is returned.
+    Equal neighbours count as one pose. If two neighbours differ by 180 deg, the direction of rotation is
+    ambiguous, and the index of the later one is returned.
     """
     quaternions = unit_quaternions(poses[:, :3, :3])
+    # q and -q are the same rotation: take the sign that is nearer to the quaternion before.
     signs = np.where(np.einsum("ni,ni->n", quaternions[1:], quaternions[:-1]) < 0.0, -1.0, 1.0)
     quaternions[1:] *= np.cumprod(signs)[:, None]
     keep = np.arange(len(poses))
@@ -256,16 +262,17 @@ def through_poses(poses: Array) -> PoseSpline | int | None:
 
 
 def _chords(positions: Array, quaternions: Array) -> tuple[Array, Array]:
-    """Return the turns [rad] between neighbouring poses, and the chords [m] between their positions, (N - 1,)
-    each.
+    """Return the angles [rad] between neighbouring poses, and the chords [m] between them, (N - 1,) each.
 
     Args:
         positions: (N, 3) positions [m].
         quaternions: (N, 4) unit quaternions.
     """
     apart = np.linalg.norm(np.diff(quaternions, axis=0), axis=1)
-    # Unit quaternions are apart by 2 sin(angle / 4), since they turn by half the angle.
+    # The distance of two unit quaternions is 2 sin(angle / 4).
     angles: Array = 4.0 * np.arcsin(np.minimum(apart / 2.0, 1.0))
+    # A rotation counts as the length `TURN_CHORD` per radian, so that the chord of a pure rotation isn't
+    # zero.
     chords: Array = np.hypot(np.linalg.norm(np.diff(positions, axis=0), axis=1), TURN_CHORD * angles)
     return angles, chords
 
@@ -274,8 +281,8 @@ def unit_quaternions(rotations: Array) -> Array:
     """Return rotations (N, 3, 3) as unit quaternions x y z w (N, 4); their signs are arbitrary."""
     r = rotations
     trace = np.trace(r, axis1=1, axis2=2)
-    # The rows are four times the products of one component with all components: normalise the row with the
-    # largest component, for accuracy.
+    # Each row has the products of one component with all components, times four. Normalise the row of the
+    # largest component, which is the most accurate one.
     table = np.empty((len(r), 4, 4))
     for i in range(3):
         table[:, i, i] = 1.0 + 2.0 * r[:, i, i] - trace
@@ -292,6 +299,7 @@ def unit_quaternions(rotations: Array) -> Array:
 def rotations(quaternions: Array) -> Array:
     """Return rotation matrices (N, 3, 3) for unit quaternions x y z w (N, 4)."""
     x, y, z, w = quaternions.T
+    # The rotation matrix of a unit quaternion: I + 2 w [v]x + 2 [v]x^2.
     matrix = np.empty((len(quaternions), 3, 3))
     matrix[:, 0] = np.stack((1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)), axis=1)
     matrix[:, 1] = np.stack((2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)), axis=1)

@@ -1,4 +1,4 @@
-"""Define a natural cubic spline in joint space through way-points, over the chord length."""
+"""Define a natural cubic spline in joint space through waypoints, whose parameter is the chord length."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from yarclang.hir import Array
 from yarclang.motion.natural import NaturalSpline
 
 _PLACES = 800
-"""Number of places that show a spline's bends."""
+"""Approximate number of places on a spline at which its bends are examined."""
 
 SAME_PLACE = 1e-12
-"""Distance below which way-points count as one [rad or m]."""
+"""Distance below which waypoints count as equal [rad or m]."""
 
 
 @frozen(eq=False)
 class SplinePath:
-    """A path in joint space: the natural spline through way-points; `prismatic` (n,) is True for prismatic
+    """A path in joint space: the natural spline through waypoints; `prismatic` (n,) is True for prismatic
     joints.
     """
 
@@ -27,18 +27,18 @@ class SplinePath:
 
     @property
     def waypoints(self) -> Array:
-        """The way-points (w, n) [rad or m]."""
+        """The waypoints (w, n) [rad or m]."""
         return self.spline.values
 
     @property
     def start(self) -> Array:
-        """The first way-point."""
+        """The first waypoint."""
         start: Array = self.waypoints[0]
         return start
 
     @property
     def end(self) -> Array:
-        """The last way-point."""
+        """The last waypoint."""
         end: Array = self.waypoints[-1]
         return end
 
@@ -56,7 +56,7 @@ class SplinePath:
 
     @property
     def places(self) -> Array:
-        """The places s of the way-points except the last, and equally spaced places s on each leg (k,)."""
+        """The places s of the waypoints except the last, and equally spaced places s on each leg (k,)."""
         knots = self.spline.knots
         between = max(1, _PLACES // (len(knots) - 1))
         inner: Array = knots[:-1, None] + np.diff(knots)[:, None] * np.arange(between) / between
@@ -67,11 +67,11 @@ class SplinePath:
         return self.spline.at(s)
 
     def deviation(self, q: Array, s: Array) -> tuple[float, float]:
-        """Return the largest distance of joints from the path at the places `s`: of prismatic joints [m], of
-        revolute ones [rad].
+        """Return the largest distances between joint positions `q` (N, n) and the path at the places `s`
+        (N,): of prismatic joints [m], and of revolute joints [rad].
 
-        A position that is early or late along the path counts as off the path too: where a spline turns back
-        on itself, no direction is perpendicular to it.
+        Being early or late along the path counts as a distance too: where a spline reverses, no direction is
+        perpendicular to it.
         """
         miss = np.abs(q - self.joints(s))
         sliding = self.prismatic
@@ -85,7 +85,7 @@ class SplinePath:
 
 
 def through(waypoints: Array, prismatic: NDArray[np.bool_]) -> SplinePath:
-    """Return the natural spline through way-points in joint space.
+    """Return the natural spline through waypoints in joint space.
 
     Args:
         waypoints: (w, n) [rad or m], no two neighbours equal, w at least 2.
@@ -99,7 +99,7 @@ def through(waypoints: Array, prismatic: NDArray[np.bool_]) -> SplinePath:
 
 
 def distinct(waypoints: Array) -> Array:
-    """Return the way-points (w, n) without those that equal the one before."""
+    """Return the waypoints (w, n) without those that equal the previous one."""
     keep = np.ones(len(waypoints), dtype=bool)
     keep[1:] = np.linalg.norm(np.diff(waypoints, axis=0), axis=1) > SAME_PLACE
     return waypoints[keep]

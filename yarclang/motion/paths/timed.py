@@ -1,4 +1,6 @@
-"""Define the path of a timetable: each joint is a polynomial in time between two rows of the table."""
+"""Define the path of a timetable. Between two rows of the table, each joint position is a polynomial in
+time.
+"""
 
 from __future__ import annotations
 
@@ -10,17 +12,18 @@ from yarclang.motion.curve import solve_tridiagonal
 from yarclang.transforms import constant
 
 _LOOKED_AT = 8
-"""Places of each piece at which extremes and slopes are sampled."""
+"""Number of times in each piece at which positions and slopes are sampled."""
 
 
 @frozen(eq=False)
 class TimedPath:
-    """The joint positions over time that a timetable prescribes, each a polynomial between two rows.
+    """The joint positions over time that a timetable prescribes, as polynomials between its rows.
 
     Attributes:
-        times: (m + 1,) the times at which the m polynomials begin, and the end; the first is 0 [s].
-        pieces: (m, d, n) the coefficients of each polynomial in powers of the time since its beginning, the
-            constant first [rad or m, per s, ...].
+        times: (m + 1,) the times at which the m polynomials begin, and the end of the last one [s]; the
+            first is 0.
+        pieces: (m, d, n) the coefficients of each polynomial in powers of the time since its beginning,
+            the constant first [rad or m, per s, ...].
         end: (n,) the last position [rad or m].
     """
 
@@ -36,7 +39,7 @@ class TimedPath:
 
     @property
     def duration(self) -> float:
-        """The last time [s]."""
+        """The time of the last row [s]."""
         return float(self.times[-1])
 
     @property
@@ -52,13 +55,13 @@ class TimedPath:
 
     @property
     def places(self) -> Array:
-        """The times at which the polynomials begin, and the end, as shares of the duration (m + 1,)."""
+        """The times of the rows as shares of the duration, (m + 1,)."""
         places: Array = self.times / self.duration
         return places
 
     @property
     def looked_at(self) -> Array:
-        """Times (N,) dense enough to show extremes and slopes [s]."""
+        """Times (N,) [s] at which positions and slopes are sampled, several in each piece."""
         width = np.diff(self.times)[:, None]
         inner = (self.times[:-1, None] + width * np.arange(_LOOKED_AT) / _LOOKED_AT).ravel()
         return np.append(inner, self.times[-1])
@@ -76,17 +79,19 @@ class TimedPath:
         since = (np.clip(times, 0.0, self.duration) - self.times[piece])[:, None]
         coefficients = self.pieces
         for _ in range(order):
+            # Differentiate the polynomials: k c_k becomes the coefficient of power k - 1.
             coefficients = coefficients[:, 1:] * np.arange(1, coefficients.shape[1])[:, None]
+        # Horner's scheme.
         value: Array = coefficients[piece, -1]
         for power in range(coefficients.shape[1] - 2, -1, -1):
             value = value * since + coefficients[piece, power]
         return value
 
     def deviation(self, q: Array, s: Array) -> tuple[float, float]:
-        """Return the largest distance of the joints from where they should be at the same time.
+        """Return the largest deviation of the joints from their positions on the path at equal times.
 
-        It is returned both as a length [m] and as an angle [rad], since the kind of each joint isn't known
-        here.
+        It is returned twice, as a length [m] and as an angle [rad], since the types of the joints aren't
+        known here.
         """
         off = float(np.abs(q - self.joints(s)).max(initial=0.0))
         return off, off
@@ -102,10 +107,11 @@ class TimedPath:
 
 
 def along(table: Timetable, stands: Array) -> TimedPath:
-    """Return the path of a timetable from the robot's position, where the robot is at rest.
+    """Return the path of a timetable that begins at rest at the robot's position.
 
     Args:
-        table: the rows of the timetable; of a first row at time 0, only the acceleration is used.
+        table: the rows of the timetable; if it has a row at time 0, only the acceleration of this row is
+            used.
         stands: (n,) the robot's position [rad or m].
     """
     begins = int(table.begins)
@@ -125,15 +131,15 @@ def along(table: Timetable, stands: Array) -> TimedPath:
 
 
 def _clamped(times: Array, q: Array) -> Array:
-    """Return the velocities (k, n) at the knots of the cubic spline through positions (k, n) at times (k,)
-    that begins and ends at rest.
+    """Compute the cubic spline through positions `q` (k, n) at `times` (k,) that begins and ends at rest.
+    Return its velocities (k, n) at these times.
 
     The acceleration of this spline is continuous.
     """
     velocities = np.zeros_like(q)
     if len(q) > 2:
-        # Continuity of the acceleration, with the velocities as unknowns: v / w + 2 (1 / w + 1 / w') v' + v''
-        # / w' = 3 (rise / w^2 + rise' / w'^2).
+        # The acceleration is continuous if v / w + 2 (1 / w + 1 / w') v' + v'' / w' = 3 (rise / w^2 + rise' /
+        # w'^2). The unknowns are the velocities v.
         inverse = 1.0 / np.diff(times)
         pull = 3.0 * np.diff(q, axis=0) * inverse[:, None] ** 2
         velocities[1:-1] = solve_tridiagonal(
@@ -152,8 +158,8 @@ def _hermite(width: Array, q: Array, v: Array, a: Array | None) -> Array:
         bend = (3.0 * rise - 2.0 * v[:-1] - v[1:]) / width
         twist = (v[:-1] + v[1:] - 2.0 * rise) / width**2
         return np.stack((q[:-1], v[:-1], bend, twist), axis=1)
-    # If accelerations are given, solve for the powers 3 to 5, with position, velocity and acceleration of the
-    # first row known.
+    # Position, velocity and acceleration of the first row determine the powers 0 to 2. Solve for the powers 3
+    # to 5, such that they make up the differences `off`, `slower` and `bends` at the second row.
     off = (rise - v[:-1] - a[:-1] * width / 2.0) / width**2
     slower = (v[1:] - v[:-1] - a[:-1] * width) / width**2
     bends = (a[1:] - a[:-1]) / width

@@ -1,9 +1,9 @@
-"""LSPB: the motion profile of a linear segment with parabolic blends, each a third of the time.
+"""LSPB: the motion profile of a linear segment with parabolic blends, each a third of the duration.
 
-The cruise speed is 1.5 times distance over time, so that a blend takes a third of the time and the
-acceleration is 4.5 times distance over time squared. The acceleration jumps, which a curve with bounded jerk
-can't follow: on the grid each jump becomes a ramp of whole segments. Duration and cruise speed stay those of
-the profile with its blends rounded to segments.
+The cruise speed is 1.5 times distance over duration, and the acceleration 4.5 times distance over duration
+squared. The acceleration jumps, which a curve with bounded jerk can't follow: on the grid, each jump becomes
+a ramp of whole segments. Duration and cruise speed don't depend on these ramps, but the blends are rounded to
+whole segments.
 """
 
 from __future__ import annotations
@@ -18,15 +18,15 @@ from yarclang.motion.trapezoid import FEWEST_IN_BLEND, trapezoid, trapezoid_stra
 
 def _pure(u: Array) -> Array:
     u = np.clip(u, 0.0, 1.0)
-    # Parabolas in the outer thirds, a line at 1.5 times the mean speed in between.
+    # Parabolas in the outer thirds; between them, a line at 1.5 times the mean speed.
     middle = 1.5 * u - 0.25
     s: Array = np.where(u < 1 / 3, 2.25 * u**2, np.where(u > 2 / 3, 1.0 - 2.25 * (1.0 - u) ** 2, middle))
     return s
 
 
 def _forms(segments: int) -> NDArray[np.int64]:
-    """Return the forms for a number of segments: a blend of a third of the segments, with each length of its
-    acceleration ramps that fits, the steepest first.
+    """Return the forms for a number of segments. The blend is a third of the segments. Its acceleration ramps
+    have all lengths that fit, the steepest first.
     """
     blend = max(FEWEST_IN_BLEND, round(segments / 3))
     ramps = np.arange(1, blend // 2 + 1)

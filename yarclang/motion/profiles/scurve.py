@@ -1,7 +1,7 @@
 """SCURVE: the jerk-limited motion profile.
 
 Acceleration rises and falls in ramps. Ramps, blends and cruise are as long as the limits require, which gives
-the shortest time within the limits. For a given time, the shape of the shortest profile is stretched.
+the shortest duration within the limits. For a given duration, the shape of the shortest profile is stretched.
 """
 
 from __future__ import annotations
@@ -16,16 +16,16 @@ from yarclang.motion.profile import Form, Law, Profile
 from yarclang.motion.trapezoid import FEWEST_IN_BLEND, trapezoid, trapezoid_strain
 
 _MOST = 96
-"""Number of lengths of a blend, and of a ramp, that are compared; longer ranges are sampled in geometric
-progression.
+"""Largest number of lengths of a blend, and of a ramp, that are compared. Longer ranges are sampled in
+geometric progression.
 """
 
 
 def _pure(u: Array) -> Array:
     """Return the profile with ramps and blends as long as possible: full jerk throughout and no cruise."""
     u = np.clip(u, 0.0, 1.0)
-    # Full jerk up and down in quarters of the time: 32 jerk units, s = 32 u^3 / 6 in the first quarter. The
-    # second half is point-symmetric to the first.
+    # The jerk is 32 in the first quarter, so that s = 32 u^3 / 6, and -32 in the second. The second half is
+    # the point reflection of the first.
     half = np.minimum(u, 1.0 - u)
     rising = np.where(half < 0.25, 16.0 / 3.0 * half**3, 1.0 / 12.0 + _second_quarter(half - 0.25))
     s: Array = np.where(u < 0.5, rising, 1.0 - rising)
@@ -33,12 +33,13 @@ def _pure(u: Array) -> Array:
 
 
 def _second_quarter(w: Array) -> Array:
+    # Taylor polynomial from s = 1/12, s' = 1, s'' = 8 and s''' = -32 at the end of the first quarter.
     quarter: Array = w + 4.0 * w**2 - 16.0 / 3.0 * w**3
     return quarter
 
 
 def _lengths(most: int, least: int) -> NDArray[np.int64]:
-    """Return the integers from `least` to `most`; if these are too many, a selection of `_MOST`."""
+    """Return the integers from `least` to `most`; if there are too many, a selection of about `_MOST`."""
     if most - least < _MOST:
         return np.arange(least, most + 1)
     return np.unique(np.round(np.geomspace(least, most, _MOST)).astype(np.int64))
@@ -46,8 +47,8 @@ def _lengths(most: int, least: int) -> NDArray[np.int64]:
 
 @lru_cache(maxsize=512)
 def _forms(segments: int) -> NDArray[np.int64]:
-    """Return all combinations of the lengths of blend and ramp, the longest first, since these are nearest to
-    the pure profile.
+    """Return all combinations of the lengths of blend and ramp, the longest first, since these are the most
+    similar ones to the pure profile.
     """
     blends = _lengths(segments // 2, FEWEST_IN_BLEND)[::-1]
     forms = [
@@ -73,8 +74,7 @@ _LAW = Law(_pure, _control, _forms, trapezoid_strain, _scaled)
 PROFILE = Profile(
     name="SCURVE",
     summary=(
-        "jerk-limited: ramps, blends and cruise as long as the limits ask for, the shortest time that they "
-        "allow"
+        "jerk-limited: ramps, blends and cruise of the lengths that give the shortest time within the limits"
     ),
     law=lambda path, bounds: _LAW,  # noqa: ARG005
     is_stretched=True,

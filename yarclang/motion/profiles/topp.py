@@ -2,15 +2,15 @@
 speed, by TOPP-RA.
 
 The acceleration jumps from limit to limit; there is no limit on jerk. On the grid, raw samples of the profile
-are the control values. Divided differences of samples are averages of derivatives, so that the samples keep
-every limit that the profile keeps, at the cost of only two segments (Pham and Pham, A New Approach to
-Time-Optimal Path Parameterization based on Reachability Analysis, IEEE T-RO 34, 2018).
+are the control values. Divided differences of samples are averages of derivatives. The samples therefore keep
+every limit that the profile keeps, at the cost of only two segments (Pham and Pham, "A New Approach to
+Time-Optimal Path Parameterization based on Reachability Analysis", IEEE T-RO 34, 2018).
 
 The solver of TOPP-RA has absolute tolerances (1e-10) and bounds (1e8). It therefore gets a path with numbers
-near 1, however short or bent the path is. Joint positions are in units of the acceleration limit times the
-square of `time`, which is about the duration. Places on the path are measured by the motion of the joints:
-near a singularity, where a joint turns half round in a billionth of the path, that turn is then half of the
-path.
+near 1, however short or bent the path is. The unit of joint positions is the acceleration limit times the
+square of `time`, which is about the duration. Places on the path are measured by the motion of the joints.
+Near a singularity a joint may turn by 180 deg in a billionth of the path; in these units, this motion is half
+of the path.
 """
 
 from __future__ import annotations
@@ -28,46 +28,49 @@ from yarclang.motion.path import Path
 from yarclang.motion.profile import NO_FORM, Form, Law, NoLaw, Profile
 
 _PLACES = 350
-"""Least number of places of the path at which limits are checked; they are denser where the path bends
-more.
+"""Least number of places of the path at which limits are checked. They are closer together where the path
+bends.
 """
 
 _MOST_PLACES = 1000
 _AROUND = 12
-"""Number of places for each of the path's own places, which show its bends; up to `_MOST_PLACES` in total.
+"""Number of places at which limits are checked, for each place in `path.places`. In total there are at most
+`_MOST_PLACES`.
 
-Near a singularity, and on splines, a path has more places of its own.
+`path.places` has more places near a singularity, and on splines.
 """
 
 _FINE = 400
 """Number of equal parts of the path in which bends are searched for."""
 
 _APART = 1e-9
-"""Least distance of two places, with 1 for the whole path; nearer ones count as one."""
+"""Least distance of two places, as a share of the whole path. Nearer places count as one."""
 
 _NO_TIME = 1e-3
-"""Shortest duration for which a motion profile is searched for [s]: in a shorter time, every profile needs
-the fewest segments and uses far less than the limits.
+"""Estimated duration below which no motion profile is searched for [s]. Such a short motion needs the fewest
+segments with every profile, and uses far less than the limits.
 """
 
 _NO_BOUND = 1e5
-"""Value that means no bound, for the squared speed and the acceleration; the solver's rounding errors grow
-with it.
+"""Value of the squared speed and of the acceleration that means "no bound". A larger value would increase the
+solver's rounding errors.
 """
 
 _SAME = 1e-9
-"""Factors that differ by less than this count as equal."""
+"""Difference of the factors a and b of two limits below which the limits count as equal."""
 
 _NO_FACTOR = 1e-12
-"""Factor of a joint below which the joint is at rest."""
+"""Least value by which the factors of a limit are divided. It avoids division by zero for joints at rest."""
 
 _SHARE = 0.9998
-"""Share of the limits that the motion profile uses: between the places it may use slightly more."""
+"""Share of the limits that the motion profile uses at the checked places. Between these, it may use slightly
+more.
+"""
 
 
 @frozen(eq=False)
 class _Scaled:
-    """A path scaled to numbers near 1, in the form for TOPP-RA.
+    """A path scaled to numbers near 1, as TOPP-RA needs them.
 
     `gone` (N,) are scaled places, from 0 to 1, at the shares `s` (N,) of the path. `y` (N, n) are the joint
     positions there, in `units` (n,) [rad or m], relative to the start. `time` [s] is the unit of time, chosen
@@ -83,10 +86,10 @@ class _Scaled:
 
 @frozen(eq=False)
 class _Passed:
-    """A time-optimal motion profile, as values at places.
+    """A time-optimal motion profile, as values at N places.
 
-    At `times` (N,) [s] the motion passes the scaled places `gone` (N,), at the shares `s` (N,) of the path,
-    with `speed` (N,) [1/s]. Between two places the acceleration of `gone` is constant.
+    At `times` (N,) [s] the motion passes the scaled places `gone` (N,), which are at the shares `s` (N,) of
+    the path, with `speed` (N,) [1/s]. Between two places the acceleration of `gone` is constant.
     """
 
     times: Array
@@ -103,8 +106,8 @@ def _law(path: Path, bounds: Bounds) -> Law | NoLaw:
         return passed
     times, speed, gone = passed.times, passed.speed, passed.gone
     duration = float(times[-1])
-    # The interpolation is monotone, so that the law never turns back, and a place in a sharp turn stays in
-    # it.
+    # The interpolation is monotone. Therefore the motion never reverses, and places between two samples stay
+    # between them, even at a sharp bend.
     share_at = PchipInterpolator(gone, passed.s)
 
     def pure(u: Array) -> Array:
@@ -118,17 +121,20 @@ def _law(path: Path, bounds: Bounds) -> Law | NoLaw:
         return s
 
     def control(segments: int, form: Form) -> Array:  # noqa: ARG001
-        # The samples are the control values themselves: the law is stretched over n - 2 segments, and three
-        # equal values at each end make the spline rest.
+        # The samples are the control values themselves. The profile takes n - 2 segments, since three equal
+        # values at each end make the spline rest.
         samples = pure(np.arange(segments - 1) / (segments - 2))
         samples[0], samples[-1] = 0.0, 1.0
         return np.concatenate((np.zeros(2), samples, np.ones(2)))
 
+    # Chain rule from scaled places to shares of the path: ds/dt = d share / d gone * d gone/dt.
     rate = speed * share_at(gone, 1)
     top = float(rate.max()) * duration
     sharpest = float(np.abs(np.diff(rate) / np.diff(times)).max()) * duration**2
 
     def strain(segments: int, forms: NDArray[np.int64]) -> Array:
+        # A difference of order r of samples is at most h^r times the largest derivative. The acceleration
+        # jumps, so the third difference is only known to be at most twice the largest second one.
         h = 1.0 / (segments - 2)
         return np.tile([top * h, sharpest * h**2, 2.0 * sharpest * h**2], (len(forms), 1))
 
@@ -144,6 +150,7 @@ def _fastest(path: Path, bounds: Bounds) -> _Passed | NoLaw:
     if scaled is None:
         ends = np.array([0.0, 0.5, 1.0])
         return _Passed(ends * _NO_TIME, np.array([0.0, 2.0, 0.0]) / _NO_TIME, ends, ends)
+    # Limits in the scaled units of length and time.
     velocity = bounds.velocity * scaled.time / scaled.units
     counts, motor_velocity = bounds.counts * scaled.units, bounds.motor_velocity * scaled.time
 
@@ -156,20 +163,21 @@ def _fastest(path: Path, bounds: Bounds) -> _Passed | NoLaw:
 
         def __init__(self) -> None:
             super().__init__()
-            self.identical = True  # one matrix F for all places
+            self.identical = True  # one matrix F serves for all places
 
         def get_dof(self) -> int:
             return len(velocity)
 
         def compute_constraint_params(self, curve: Any, gridpoints: Array) -> tuple[Array | None, ...]:
+            # Chain rule: a joint's acceleration is slope u + bend x, and its velocity slope sqrt(x).
             slope, bend = curve(gridpoints, 1), curve(gridpoints, 2)
             shares = np.maximum(
                 (np.abs(slope) / velocity).max(axis=1),
                 (np.abs(slope @ counts.T) / motor_velocity).max(axis=1),
             )
             most = np.minimum((_SHARE / np.maximum(shares, 1e-12)) ** 2, _NO_BOUND)
-            # Collocation: impose the limits at each place, and also at the next one, where the squared speed
-            # is x + 2 u times their distance.
+            # Impose the limits at each place, and also at the next place (collocation). At the next place,
+            # the squared speed is x + 2 u times the distance of the two places.
             a, b = np.tile(slope, 2), np.tile(bend, 2)
             joints = len(velocity)
             b[:-1, joints:] = bend[1:]
@@ -192,31 +200,32 @@ def _fastest(path: Path, bounds: Bounds) -> _Passed | NoLaw:
     )
     _, speed, _, controllable = instance.compute_parameterization(0.0, 0.0, return_data=True)
     if speed is None:
-        # The controllable sets are computed backwards from the end.
+        # The solver works backwards from the end: the last place with NaN is where it failed.
         lost = np.flatnonzero(np.isnan(controllable).any(axis=1))
         return NoLaw(float(scaled.s[lost.max(initial=0)]))
     reached = np.isfinite(speed[1:]) & (speed[1:] + speed[:-1] > 0.0)
     if not reached.all():
         return NoLaw(float(scaled.s[int(np.argmin(reached))]))
-    # Constant acceleration between places: the mean speed is that of both ends.
+    # The acceleration is constant between places: the mean speed is the mean of the speeds at both places.
     steps = 2.0 * np.diff(scaled.gone) / (speed[1:] + speed[:-1])
     times = np.concatenate(([0.0], np.cumsum(steps))) * scaled.time
     return _Passed(times, speed / scaled.time, scaled.gone, scaled.s)
 
 
 def _leave_one(a: Array, b: Array, c: Array) -> None:
-    """Drop all but one of the limits at a place (N, k) that are equal up to rounding or sign.
+    """Among the limits at each place (N, k) that are equal up to rounding or sign, keep only one.
 
-    The solver mistakes equal limits for contradictory ones. If the wrist is straight, joints 4 and 6 turn
-    against each other, and their limits are equal.
+    The solver mistakes equal limits for contradictory ones. Limits are equal, for example, if the wrist is
+    straight: joints 4 and 6 then turn in opposite directions by equal angles.
     """
-    for one, other in combinations(range(a.shape[1]), 2):
+    for first, second in combinations(range(a.shape[1]), 2):
         for sign in (1.0, -1.0):
-            apart = np.abs(a[:, one] - sign * a[:, other]) + np.abs(b[:, one] - sign * b[:, other])
+            apart = np.abs(a[:, first] - sign * a[:, second]) + np.abs(b[:, first] - sign * b[:, second])
             same = apart < _SAME
-            c[same, one] = np.maximum(c[same, one], c[same, other])
-            a[same, other] = b[same, other] = 0.0
-            c[same, other] = -1.0
+            # Both limits have the form |...| <= -c: keep the stricter one, which has the larger c.
+            c[same, first] = np.maximum(c[same, first], c[same, second])
+            a[same, second] = b[same, second] = 0.0
+            c[same, second] = -1.0
 
 
 def _scaled(path: Path, bounds: Bounds) -> _Scaled | None:
@@ -224,10 +233,11 @@ def _scaled(path: Path, bounds: Bounds) -> _Scaled | None:
     s = np.unique(np.concatenate((np.linspace(0.0, 1.0, _FINE + 1), path.places)))
     q = path.joints(s)
     way = np.abs(np.diff(q, axis=0)).sum(axis=0)
-    # Lower bounds of the order of the duration, from the joints' travel at their limits.
+    # Estimate the order of magnitude of the duration from the joints' travel and limits.
     time = max(float(np.sqrt((way / bounds.acceleration).max())), float((way / bounds.velocity).max()))
     if time < _NO_TIME:
         return None
+    # In these units, every limit of acceleration is 1.
     units = bounds.acceleration * time**2
     if not path.is_straight_in_joints:
         s = _places(s, q / units, max(_PLACES, min(_MOST_PLACES, _AROUND * len(path.places))))
@@ -239,11 +249,12 @@ def _scaled(path: Path, bounds: Bounds) -> _Scaled | None:
 
 
 def _places(s: Array, y: Array, count: int) -> Array:
-    """Return `count` + 1 shares of the path, denser where the path bends more or the joints move farther.
+    """Return `count` + 1 shares of the path, closer together where the path bends more or the joints move
+    farther.
 
     Args:
         s: shares of the path (M,) at which the joint positions are known.
-        y: the joint positions there (M, n), in the units of `_Scaled`.
+        y: the joint positions at these shares (M, n), in the units of `_Scaled`.
         count: number of intervals between the shares.
     """
     gone = _gone(s, y)
@@ -251,8 +262,8 @@ def _places(s: Array, y: Array, count: int) -> Array:
     s, y, gone = s[apart], y[apart], gone[apart]
     slope = np.diff(y, axis=0) / np.diff(gone)[:, None]
     bend = np.abs(np.diff(slope, axis=0)) / ((gone[2:] - gone[:-2]) / 2.0)[:, None]
-    # The measure is the time that a bend takes: its speed is bounded by the square root of acceleration over
-    # bend.
+    # Measure a bend by the time that it takes: the speed on it is at most the square root of acceleration
+    # over bend.
     sharpness = np.sqrt(bend.max(axis=1))
     density = np.concatenate((sharpness[:1], sharpness, sharpness[-1:]))
     density += density.mean() + 1e-9
@@ -265,8 +276,8 @@ def _places(s: Array, y: Array, count: int) -> Array:
 def _gone(s: Array, y: Array) -> Array:
     """Return the scaled places, from 0 to 1, at shares `s` (N,) of the path.
 
-    A scaled place is half the distance moved by the joints and half the share itself, since all joints are at
-    rest where a spline turns back.
+    A scaled place is the mean of two shares: of the distance that the joints have moved, and of the path. The
+    first share alone doesn't suffice, since all joints are at rest where a spline reverses.
     """
     steps = np.linalg.norm(np.diff(y, axis=0), axis=1)
     gone = np.concatenate(([0.0], np.cumsum(0.5 * steps / steps.sum() + 0.5 * np.diff(s))))

@@ -23,15 +23,15 @@ from yarclang.runtime.actions import Trouble
 T = TypeVar("T")
 
 _AT_ONCE, _WAITING = 1, 8
-"""Limits on password checks: how many run at the same time, and how many more may wait. Each check takes a
-core and 64 MiB, which a moving robot may need.
+"""Largest number of password checks that run at the same time, and of further checks that wait. Each check
+takes a processor core and 64 MiB, which are then missing for the control of the robot.
 """
 
 _WRITTEN_EACH = 60.0
-"""Shortest time between two updates of a session's last use in the database file [s]."""
+"""Shortest time between two updates of a session's last use in the database [s]."""
 
 _MOST_PINS = 5
-"""Number of wrong PINs that ends a session."""
+"""Number of wrong PINs after which a session ends."""
 
 
 class NotAllowed(Trouble):
@@ -39,7 +39,7 @@ class NotAllowed(Trouble):
 
 
 class TooMany(Trouble):
-    """Raised if a login is attempted before the wait after wrong passwords is over.
+    """Raised if a login has to wait: after wrong passwords, or because too many passwords are being checked.
 
     Attributes:
         wait: time until the next login attempt is allowed [s].
@@ -121,7 +121,7 @@ class Accounts:
         """
         if not self.first or not secrets.compare_digest(token.encode(), self.first.encode()):
             raise NotAllowed(
-                "this link isn't valid any more", "use the one that `yarc pendant` printed last", ""
+                "this link is no longer valid", "use the link that `yarc pendant` printed last", ""
             )
         await self._add(name, Role.SERVICE, password, pin, first=True)
         self.first = ""
@@ -144,21 +144,21 @@ class Accounts:
             logged in on the device before.
 
         Raises:
-            TooMany: five wrong passwords have come from the same device or address, and the wait isn't over,
-                or too many passwords are being checked.
+            TooMany: the user has to wait after wrong passwords from the same device or address, or because
+                too many passwords are being checked.
             Trouble: the name or the password is wrong.
         """
         is_known = bool(device) and await self.database.call(people.is_known_device, digest(device), name)
         place = (name.casefold()[:80], f"device {digest(device).hex()}" if is_known else address)
         anybody = ("", address)
         wait = self._attempts.wait(place, self._now())
-        if not is_known:  # a user at a known device doesn't wait for others at the same address
+        if not is_known:  # at a known device, wrong passwords of other users at this address cause no wait
             wait = max(wait, self._attempts.wait(anybody, self._now(), FREE_FROM_ADDRESS))
         if wait > 0.0:
             raise TooMany("too many wrong passwords", wait)
         user = await self.database.call(people.user_called, name)
-        # Count the attempt as wrong until the password is checked, so that parallel attempts have to wait as
-        # well.
+        # Count the attempt as wrong until the password is checked. Otherwise parallel attempts would evade
+        # the wait.
         count = self._attempts.failed(place, self._now())
         try:
             right = await self._is_secret(None if user is None else user.password, password)
@@ -169,7 +169,7 @@ class Accounts:
             if not is_known:
                 self._attempts.failed(anybody, self._now())
             self.note(Deed(name[:80], address, "login", outcome=f"refused ({count} wrong passwords)"))
-            raise Trouble("this name and password don't belong together", "try again", "")
+            raise Trouble("the name or the password is wrong", "try again", "")
         self._attempts.passed(place)
         device = device if is_known else secrets.token_urlsafe(32)
         session, token = self.sessions.open(user.name, user.role, address, agent, self._now())
@@ -190,7 +190,7 @@ class Accounts:
         return self.sessions.of(token, self._now()) if token else None
 
     def is_over(self, session: Session) -> bool:
-        """Return True if a session has ended."""
+        """Return True if a session has ended. End it first if it has been open or inactive for too long."""
         return self.sessions.end_if_over(session, self._now())
 
     def used(self, session: Session) -> None:
@@ -225,7 +225,9 @@ class Accounts:
             if session.wrong_pins >= _MOST_PINS:
                 self.sessions.end(session)
                 raise NotAllowed("five wrong PINs have ended this session", "log in again", "")
-            raise NotAllowed("this PIN is wrong", "try again, or let another service user set a new one", "")
+            raise NotAllowed(
+                "the PIN is wrong", "try again, or ask another service user to set a new PIN", ""
+            )
         session.wrong_pins = 0
         session.pin_until = self._now() + PIN_LASTS
         self.note(Deed(session.user, session.address, "PIN"))
@@ -248,7 +250,7 @@ class Accounts:
             )
             raise NotAllowed(what, f"this needs a user who is {_article(role)} {role.value}", "")
         if pin and self._now() > session.pin_until:
-            raise NotAllowed("service work needs your PIN again", "enter the PIN", "pin")
+            raise NotAllowed("service work needs your PIN: enter it again", "enter the PIN", "pin")
 
     async def add(self, name: str, role: Role, password: str, pin: str | None) -> None:
         """Add a user.
@@ -307,7 +309,8 @@ class Accounts:
         sessions.
 
         Raises:
-            TooMany: after five wrong passwords.
+            TooMany: the user has to wait after five wrong passwords, or because too many passwords are being
+                checked.
             Trouble: the old password is wrong, or the new one isn't allowed.
         """
         place = (session.user.casefold(), f"session {session.id}")
@@ -399,7 +402,7 @@ class Accounts:
 
     async def _beside(self, function: Callable[..., T], *arguments: object) -> T:
         if self._waiting >= _WAITING:
-            raise TooMany("too many passwords are being checked now", 2.0)
+            raise TooMany("too many passwords are being checked at the moment", 2.0)
         self._waiting += 1
         try:
             async with self._looking:

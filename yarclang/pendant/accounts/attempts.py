@@ -1,9 +1,9 @@
-"""Counts of wrong passwords: after five of them, each further login attempt has to wait. No I/O; the
+"""Counts of wrong passwords. After five of them, each further login attempt has to wait. No I/O: the
 functions get the time as an argument.
 
-A wrong attempt is counted for a pair (user name, origin), which is called a place. The origin is the device
-if that user has logged in on it before, otherwise the network address. So guessing slows down only the
-guesser, and can't lock users out of the devices that they use every day.
+Wrong attempts are counted for each pair of a user name and an origin, which is called a place. The origin is
+the device if this user has logged in on it before, otherwise the network address. So only the guesser has to
+wait, and can't lock users out of the devices that they use every day.
 """
 
 from __future__ import annotations
@@ -12,10 +12,10 @@ from collections import OrderedDict
 from dataclasses import dataclass
 
 FREE = 5
-"""Number of wrong attempts of one place (user name and origin) before the first wait."""
+"""Number of wrong attempts of one place (user name and origin) that cause no wait."""
 
 FREE_FROM_ADDRESS = 30
-"""Number of wrong attempts from one network address before the first wait, summed over all user names."""
+"""Number of wrong attempts from one network address, with any user names, that cause no wait."""
 
 FIRST_WAIT, LONGEST_WAIT = 2.0, 300.0
 """First wait and longest wait before the next login attempt [s]. The wait doubles with each further wrong
@@ -26,12 +26,14 @@ FORGOTTEN = 3600.0
 """Time after which wrong attempts are forgotten [s]."""
 
 _MOST = 4096
-"""Most places (user name and origin) whose wrong attempts are stored. If there are more, the place without
-wrong attempts for the longest time is forgotten.
+"""Largest number of places (user name and origin) whose wrong attempts are stored. If there are more, the
+place whose last wrong attempt is the oldest is forgotten.
 """
 
 Place = tuple[str, str]
-"""User name of a login attempt in lower case, and the device or network address from which it comes."""
+"""Place of a login attempt: the user name in lower case, and the device or network address from which it
+comes.
+"""
 
 
 @dataclass(slots=True)
@@ -75,8 +77,8 @@ class Attempts:
         return failures.count
 
     def forgive(self, place: Place) -> None:
-        """Remove the last wrong attempt of a place. Called if the password couldn't be checked because too
-        many other checks were waiting.
+        """Take back the last wrong attempt of a place. Used if the password wasn't checked, because too many
+        other checks were waiting.
         """
         if (found := self._failures.get(place)) is not None:
             found.count -= 1

@@ -1,5 +1,5 @@
-"""The SQLite file of a pendant's users, sessions, audit trail and alarms. One thread writes to it; each
-change is one transaction.
+"""The SQLite file of a pendant, with its users, sessions, audit trail and alarms. One thread writes to the
+file; each change is one transaction.
 """
 
 from __future__ import annotations
@@ -53,8 +53,8 @@ CREATE TABLE alarms (
 """
 
 _STEPS = (_TABLES, _ALARMS)
-"""SQL statements that upgrade the tables, one item for each version: the first creates the tables in an
-empty file, each further one upgrades from the version before it.
+"""SQL statements that upgrade the tables, one item for each version. The first item creates the tables in an
+empty file. Each further item upgrades the tables from the previous version.
 """
 
 
@@ -83,6 +83,17 @@ class Database:
         except sqlite3.Error as error:
             self._thread.shutdown()
             raise self._trouble(str(error)) from None
+        self._opened = self._identity()
+
+    def _identity(self) -> tuple[int, int] | None:
+        """Return the device and inode of the file at the path; None if there is none. SQLite would write to a
+        file that was removed without any error.
+        """
+        try:
+            found = self.path.stat()
+        except OSError:
+            return None
+        return found.st_dev, found.st_ino
 
     def _open(self) -> sqlite3.Connection:
         connection = sqlite3.connect(self.path, timeout=_WAIT, isolation_level=None, check_same_thread=False)
@@ -95,7 +106,9 @@ class Database:
                 raise sqlite3.DatabaseError(f"it is damaged ({found})")
             version = connection.execute("PRAGMA user_version").fetchone()[0]
             if version > VERSION:
-                raise sqlite3.DatabaseError(f"a later yarclang has made it (version {version} of its tables)")
+                raise sqlite3.DatabaseError(
+                    f"a later version of yarclang has written it (table version {version})"
+                )
             if version < VERSION:
                 made = " ".join(_STEPS[version:])
                 connection.executescript(f"BEGIN IMMEDIATE; {made} PRAGMA user_version = {VERSION}; COMMIT;")
@@ -121,6 +134,8 @@ class Database:
     ) -> T:
         """Call a function with the database connection, as one transaction in the calling thread."""
         connection = self._connection
+        if self._identity() != self._opened:
+            raise self._trouble("it was removed or replaced while it was in use")
         try:
             connection.execute("BEGIN IMMEDIATE")
             try:
@@ -145,9 +160,11 @@ class Database:
         if "full" in reason:
             remedy = "make room on the disk"
         elif "locked" in reason or "busy" in reason:
-            remedy = "another program has opened the file: end that one"
+            remedy = "another program has opened the file: end that program"
+        elif "removed" in reason:
+            remedy = "put the file back, or restart the pendant"
         else:
-            remedy = f"look at the file; to begin with new users, move {self.path} away"
+            remedy = f"check the file; to start with new users, move {self.path} away"
         return Trouble(
             f"the pendant's users and audit trail, {self.path}, can't be used: {reason}", remedy, ""
         )

@@ -55,7 +55,7 @@ def check_pin(pin: str) -> None:
         Trouble: the PIN isn't 4 to 12 digits, or all of its digits are equal.
     """
     if not _PIN.fullmatch(pin) or len(set(pin)) == 1:
-        raise Trouble("a PIN has 4 to 12 digits, not all equal", "choose another one", "")
+        raise Trouble("a PIN must have 4 to 12 digits, not all equal", "choose another one", "")
 
 
 def hashed(secret: str) -> str:
@@ -64,8 +64,10 @@ def hashed(secret: str) -> str:
 
 
 def is_secret(secret_hash: str | None, secret: str) -> bool:
-    """Return True if a password or PIN matches a hash. Without a hash (None, as for an unknown user) the
-    check takes as long as for a wrong password, so that the response time doesn't tell which users exist.
+    """Return True if a password or PIN matches a hash.
+
+    For an unknown user the hash is None. The check then takes as long as for a wrong password, so that the
+    response time doesn't reveal which users exist.
     """
     try:
         return (

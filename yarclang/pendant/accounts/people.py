@@ -140,8 +140,8 @@ def remove_user(connection: sqlite3.Connection, name: str) -> None:
 
 
 def keep_session(connection: sqlite3.Connection, session: Kept) -> None:
-    """Write a session to the database, so that it continues after a restart. Do nothing if the session's
-    user has been removed meanwhile.
+    """Write a session to the database, so that it continues after a restart. Do nothing if the session's user
+    no longer exists.
     """
     connection.execute(
         "INSERT OR REPLACE INTO sessions SELECT ?1, ?2, ?3, ?4, ?5, ?6, ?7 WHERE EXISTS (SELECT 1 FROM "
@@ -252,7 +252,7 @@ def _check_another_service(connection: sqlite3.Connection, name: str) -> None:
     ).fetchone()
     if not row[0]:
         raise Trouble(
-            f"{name} is the only user of the role service", "give that role to somebody else first", ""
+            f"{name} is the only user of the role service", "give that role to another user first", ""
         )
 
 

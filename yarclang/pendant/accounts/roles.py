@@ -29,8 +29,8 @@ class Role(Enum):
 _ORDER = tuple(Role)
 
 NEEDS: dict[type[Order[Any]], Role] = {
-    # A stop on the path harms nobody. Whoever sees something go wrong must not have to log in as somebody
-    # else first.
+    # A stop on the path does no harm. Whoever sees something go wrong must be able to stop the robot without
+    # a login as another user.
     orders.Stop: Role.VIEWER,
     orders.AskStatus: Role.VIEWER,
     orders.AskPlace: Role.VIEWER,
@@ -79,8 +79,8 @@ NEEDS: dict[type[Order[Any]], Role] = {
     orders.Steer: Role.PROGRAMMER,
     orders.Leave: Role.PROGRAMMER,
 }
-"""Role that each order of the API requires. All other orders are refused: `hello` and `listen` among them
-are sent to the coordinator only by the pendant's server itself.
+"""Role that each order of the API requires. Orders that aren't listed here are refused, such as `hello` and
+`listen`, which only the pendant's server itself sends to the coordinator.
 """
 
 WITH_PIN: tuple[type[Order[Any]], ...] = (orders.Home, orders.SendSettings, orders.SaveSettings)
@@ -115,8 +115,8 @@ AUDITED: tuple[type[Order[Any]], ...] = (
 
 
 _OTHERWISE = {"text", "start", "tolerance", "tm", "cell", "source"}
-"""Fields of the order `load` with which a program other than the saved one of the project is loaded, or the
-program is proved with other settings than those of the project.
+"""Fields of the order `load` that operators can't set. With these fields, an order could load a program that
+isn't saved in the project, or prove a program with settings other than the project's.
 """
 
 

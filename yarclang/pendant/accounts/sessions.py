@@ -1,5 +1,7 @@
-"""Open sessions of users. Their times are of a monotonic clock. After a restart, the age of earlier
-sessions is computed from the wall clock; they end if the wall clock was set back.
+"""Open sessions of users. Their times are those of a monotonic clock.
+
+After a restart, the age of earlier sessions is computed from the wall clock. If the wall clock was set back
+in between, these sessions end.
 """
 
 from __future__ import annotations
@@ -15,17 +17,19 @@ IDLE = 3600.0
 """Time without an action of the user after which a session ends [s]."""
 
 LONGEST = 12 * 3600.0
-"""Longest session [s]."""
+"""Longest duration of a session [s]; then the user has to log in again."""
 
 PIN_LASTS = 300.0
 """Time for which service work is allowed after the PIN was entered [s]."""
 
 MOST = 200
-"""Most open sessions. If there are more, the session that has been inactive for the longest time ends."""
+"""Largest number of open sessions. If there are more, the session that has been inactive for the longest time
+ends.
+"""
 
 _CLOCKS_DIFFER = 60.0
-"""Tolerance when the stored times of a session are compared with the wall clock [s]: they may be this far in
-the future before the wall clock counts as set back.
+"""Tolerance when the stored times of a session are compared with the wall clock [s]. If a stored time is
+farther in the future than this, the wall clock counts as set back.
 """
 
 
@@ -70,7 +74,7 @@ class Sessions:
         self._ended = ended
 
     def open(self, user: str, role: Role, address: str, agent: str, now: float) -> tuple[Session, str]:
-        """Begin a session. Return the session and its token; the token itself isn't stored."""
+        """Begin a session. Return the session and its secret token. Only a digest of the token is stored."""
         token = secrets.token_urlsafe(32)
         session = Session(
             secrets.token_hex(8), user, role, address, agent[:200], digest(token), opened=now, seen=now
@@ -116,8 +120,8 @@ class Sessions:
                 self.end(one)
 
     def take_up(self, stored: Kept, role: Role, now: float, wall: float) -> bool:
-        """Continue a session from before a restart. Return False if the session has been open or inactive
-        for too long, or if the wall clock has been set back meanwhile.
+        """Continue a session from before a restart. Return False if the session has been open or inactive for
+        too long, or if the wall clock has been set back since then.
         """
         age, quiet = wall - stored.created, wall - stored.seen
         if min(age, quiet) < -_CLOCKS_DIFFER or age > LONGEST or quiet > IDLE:

@@ -7,7 +7,7 @@ from typing import Literal
 
 Source = Literal["state", "run", "message", "motors", "guard", "coordinator", "audit", "disk", "alarms"]
 """Origin of an alarm. The sources `run` and `message` report single events. Each other source reports the
-list of its faults that are present at the time.
+list of all its faults that are present at the moment.
 """
 
 MOST_WHAT, MOST_REMEDY, MOST_NAME = 2000, 1000, 300
@@ -36,7 +36,7 @@ class Raised:
         return self.source, self.what
 
     def cleaned(self) -> Raised:
-        """Return the cause with printable texts of limited length."""
+        """Return the cause with texts that are printable and not too long."""
         return Raised(
             self.source,
             printable(self.what, MOST_WHAT) or "no reason given",
@@ -45,8 +45,8 @@ class Raised:
         )
 
     def with_more(self, other: Raised) -> Raised:
-        """Return the cause completed by a second report of the same fault: with the longer of the two
-        texts, and with the code or remedy if it was missing.
+        """Return this cause, completed by a second report of the same fault. The longer of the two
+        descriptions is used. The code or remedy of the other report is used if this cause has none.
         """
         longer = other.what if len(other.what) > len(self.what) else self.what
         return replace(self, what=longer, code=self.code or other.code, remedy=self.remedy or other.remedy)
@@ -75,8 +75,8 @@ class Stood:
     owner: str = ""
 
     def with_more(self, other: Stood) -> Stood:
-        """Return the state with the command and line of another state, where that names them. The event at
-        the end of a program names the command at which a fault occurred.
+        """Return this state with the command and line of `other`, if `other` contains them. Often only the
+        event at the end of a program says at which command a fault occurred.
         """
         return replace(self, command=other.command or self.command, line=other.line or self.line)
 

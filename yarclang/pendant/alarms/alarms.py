@@ -23,12 +23,14 @@ _LOOKED_EACH = 0.5
 """Time between two checks of motors, guard and audit trail [s]."""
 
 _TOGETHER, _AGAIN = 0.1, 20.0
-"""Time within which changed alarms are collected and written in one transaction, and time after which a
-failed write is repeated [s].
+"""Time for which changed alarms are collected before they are written in one transaction, and time after
+which a failed write is repeated [s].
 """
 
 _MOST_AT_ONCE = 1000
-"""Most alarms of one transaction, because other writers have to wait for it."""
+"""Largest number of alarms in one transaction. During a transaction, nothing else can be written to the
+database.
+"""
 
 
 class Alarms:
@@ -42,8 +44,8 @@ class Alarms:
 
     Attributes:
         book: all alarms.
-        trouble: reason why the alarms exist only in memory, because the database can't be written; empty if
-            it can be.
+        trouble: reason why the database can't be written, so that the alarms exist only in memory; empty if
+            it can be written.
         low: function that returns a warning if little space is left on the disk; empty if there is enough.
             Called twice a second, so it must not wait for a disk.
 
@@ -106,7 +108,7 @@ class Alarms:
         showing, now = self._showing, self._wall()
         health = showing.heard_health
         if health is not None:
-            if not showing.under_way:  # otherwise the end of the motion reports the fault
+            if not showing.under_way:  # the event at the end of a motion reports a failed motor itself
                 motors = told.of_motors(health.motors, showing.why)
                 self.book.holding("motors", motors, self._stood, now)
             self.book.holding("guard", told.of_guard(health, showing.state), self._stood, now)
@@ -151,7 +153,7 @@ class Alarms:
             some = numbers[first : first + _MOST_AT_ONCE]
             count += self.book.acknowledge(some, by, self._wall())
             self._changed()
-            await asyncio.sleep(0)  # let streaming continue meanwhile
+            await asyncio.sleep(0)  # let the streaming loop run between two parts
         return count
 
     # the file
@@ -159,7 +161,7 @@ class Alarms:
     def _changed(self) -> None:
         """Schedule a write of the changed alarms."""
         if self.book.changed and (self._writing is None or self._writing.done()):
-            with suppress(RuntimeError):  # before the event loop runs, there are no events
+            with suppress(RuntimeError):  # the event loop doesn't run yet
                 self._writing = asyncio.get_running_loop().create_task(self._write())
 
     async def _write(self) -> None:

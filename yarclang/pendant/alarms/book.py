@@ -9,20 +9,24 @@ from heapq import merge
 from yarclang.pendant.alarms.alarm import Alarm, Raised, Source, Stood
 
 MOST = 10_000
-"""Most alarms that are stored. The oldest are removed, except those whose fault is still present."""
+"""Largest number of alarms that are stored. The oldest are removed, except those whose fault is still
+present.
+"""
 
 AGAIN = 60.0
-"""Time within which a repeated alarm is counted instead of listed again [s]."""
+"""If an alarm occurs again within this time, it is counted instead of listed a second time [s]."""
 
 _INCIDENT = 2.0
-"""If a program ends within this time after a fault, the end is attributed to the fault [s]; it raises no
-alarm of its own.
+"""Time after a fault within which the end of a program counts as a consequence of the fault and raises no
+alarm of its own [s].
 """
 
 _NOWHERE = Stood()
 
 _MOST_OF_SOURCE = 100
-"""Most alarms of one source whose faults are present at the same time; further ones are ignored."""
+"""Largest number of present faults of one source for which there are alarms. Further faults of this source
+are ignored.
+"""
 
 
 class Book:
@@ -67,8 +71,8 @@ class Book:
     def holding(
         self, source: Source, causes: Iterable[Raised], stood: Callable[[], Stood], now: float
     ) -> None:
-        """Replace the present faults of a source. New faults raise alarms; alarms of the source whose fault
-        is no longer present end.
+        """Replace the list of a source's present faults. A new fault raises an alarm. The alarm of a fault
+        that is no longer present ends.
 
         Args:
             source: origin of the alarms.
@@ -84,7 +88,7 @@ class Book:
         cleaned = {one.key: one for one in (each.cleaned() for each in causes)}
         for raised in list(cleaned.values())[:_MOST_OF_SOURCE]:
             number = holding.pop(raised.key, None)
-            if number is None and source == "state":  # a lost connection becomes a fault that names it
+            if number is None and source == "state":  # the same fault, with a longer description
                 same = (key for key in holding if key[1] in raised.what or raised.what in key[1])
                 number = holding.pop(next(same, ("", "")), None)
             if number is None:
@@ -95,8 +99,8 @@ class Book:
             self._put(replace(self._alarms[number], ended=now))
 
     def _tells_of_known(self, raised: Raised, stood: Stood, now: float) -> bool:
-        """Return True if a cause repeats the fault that the robot's state has just reported. Then the
-        details of the cause are added to the alarm of that fault.
+        """Return True if a cause only repeats the fault that the robot's state has just reported. If so, add
+        the details of the cause to the alarm of that fault.
         """
         alarm_before = self._alarms.get(self._state)
         if alarm_before is None or not (alarm_before.holds or alarm_before.last >= now - _INCIDENT):
@@ -155,7 +159,7 @@ class Book:
     # acknowledgements
 
     def unacknowledged(self, numbers: Iterable[int]) -> tuple[int, ...]:
-        """Return those of the given numbers that belong to unacknowledged alarms."""
+        """Return those of the given numbers whose alarms aren't acknowledged yet."""
         found = (self._alarms.get(one) for one in dict.fromkeys(numbers))
         return tuple(one.number for one in found if one is not None and one.acknowledged is None)
 

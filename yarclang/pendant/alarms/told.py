@@ -50,8 +50,8 @@ def of_event(event: events.BaseEvent) -> Raised | None:
 
 
 def of_motors(motors: Sequence[replies.MotorHealth], reason: str) -> tuple[Raised, ...]:
-    """Return the causes of alarms for motors that have failed, except motors that the reason for the robot's
-    state names already. Motors that are open-loop because another motor failed are left out.
+    """Return the causes of alarms for motors that have failed. A motor is left out if `reason` already names
+    it, or if its loop was opened only because another motor has failed.
 
     Args:
         motors: last known state of the motors.
@@ -59,23 +59,23 @@ def of_motors(motors: Sequence[replies.MotorHealth], reason: str) -> tuple[Raise
     """
     failed = (one for one in motors if one.trouble and _FAILED & set(one.flags))
     found = (f"motor {one.number}: {one.trouble}" for one in failed)
-    remedy = "find out why, then close its loop: look at the page Controller"
+    remedy = "find the cause, then close its loop on the page Controller"
     return tuple(Raised("motors", what, MOTOR, remedy) for what in found if what not in reason)
 
 
 def of_guard(health: replies.Health | None, state: State) -> tuple[Raised, ...]:
-    """Return the cause of an alarm if the robot may move although it isn't known that the guard PLC works."""
+    """Return the cause of an alarm if the robot may move but the guard PLC isn't known to work."""
     if health is None or health.guard or state in (State.FAULT, State.DISCONNECTED):
         return ()
-    what = "the guard PLC isn't known to work: a robot whose computer falls silent may run on"
-    return (Raised("guard", what, "", "press Look at everything on the page Controller, which tries it"),)
+    what = "the guard PLC hasn't been tested: the robot might not stop if this computer fails"
+    return (Raised("guard", what, "", "test it with Look at everything on the page Controller"),)
 
 
 def of_trail(trouble: str) -> tuple[Raised, ...]:
     """Return an alarm if the audit trail can't be written; `trouble` is the reason."""
     if not trouble:
         return ()
-    return (Raised("audit", trouble, "", "nothing can be ordered but a stop until it can be written"),)
+    return (Raised("audit", trouble, "", "until it can be written, only stop orders are accepted"),)
 
 
 def of_disk(low: str) -> tuple[Raised, ...]:
@@ -90,12 +90,12 @@ def of_disk(low: str) -> tuple[Raised, ...]:
 
 
 def of_keeping(trouble: str) -> tuple[Raised, ...]:
-    """Return an alarm if alarms can't be written to the file; `trouble` is the reason."""
-    what = f"alarms are only in memory, and are lost when the pendant ends: {trouble}"
-    return (Raised("alarms", what, "", "make room on the disk, or look at the file"),) if trouble else ()
+    """Return an alarm if the alarms themselves can't be written to the database; `trouble` is the reason."""
+    what = f"alarms are kept only in memory, and are lost when the pendant ends: {trouble}"
+    return (Raised("alarms", what, "", "make room on the disk, or check the file"),) if trouble else ()
 
 
 def of_coordinator(robot: str) -> tuple[Raised, ...]:
     """Return the alarm for a coordinator that can't be reached."""
     what = f"the coordinator of {robot} can't be reached"
-    return (Raised("coordinator", what, LOST, "look at the robot; wait, or start `yarc serve` again"),)
+    return (Raised("coordinator", what, LOST, "inspect the robot; wait, or restart `yarc serve`"),)

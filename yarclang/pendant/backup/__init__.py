@@ -1,3 +1,3 @@
-"""Backups of the project: writing a backup as a zip, checking an uploaded zip before it is unpacked, and
-listing the changes that its restore would make.
+"""Backups of the project. A backup is written as a zip. An uploaded zip is checked before it is unpacked, and
+the changes that its restore would make are listed.
 """

@@ -26,8 +26,8 @@ class Applied:
     Attributes:
         written: files of the project that were created or replaced.
         removed: files of the project that were removed.
-        undo: number in the trash of the backup that undoes the restore; empty if the restore has changed
-            nothing.
+        undo: number by which the trash finds the backup that undoes the restore; empty if the restore has
+            changed nothing.
     """
 
     written: tuple[str, ...]
@@ -46,7 +46,7 @@ def apply(
         backup: content of the zip, which has been checked.
         digest: digest of the list of changes that the user has seen.
         user: user who restores the backup.
-        about: data about yarclang and the robot for the backup of the saved files.
+        about: data about yarclang and the robot, for the backup of the files that are replaced or removed.
         remove: True to remove files of the project that were created after the backup.
 
     Raises:
@@ -57,7 +57,7 @@ def apply(
         plan = plan_of(folder, backup)
         if plan.digest != digest:
             raise Trouble(
-                "files of the project have changed meanwhile", "look at what would change", "changed"
+                "files of the project have changed meanwhile", "review the changes again", "changed"
             )
         if plan.conflicts:
             first = plan.conflicts[0]
@@ -77,7 +77,7 @@ def apply(
         except Trouble as trouble:
             total = len(plan.new) + len(plan.changed) + len(removed)
             what = (
-                f"{len(done_so_far):,} of {total:,} files are restored, and the others are as they were: "
+                f"{len(done_so_far):,} of {total:,} files are restored, and the others are unchanged: "
                 f"{trouble.what}"
             )
             raise Trouble(what, f"{trouble.remedy}; then restore it again, or undo this", "half") from None
@@ -87,11 +87,11 @@ def apply(
 def _check_room(folder: ProjectFolder, plan: Plan, backup: Judged, removed: tuple[str, ...]) -> None:
     wanted = sum(backup.files[one].size for one in (*plan.new, *plan.changed))
     wanted += sum(plan.sizes[one] for one in (*plan.changed, *removed))
-    check_room(os.statvfs(folder.root), wanted, "the restored files and those that are kept for undo need")
+    check_room(os.statvfs(folder.root), wanted, "the restored files and the copies for undo need")
 
 
 def _keep_old(folder: ProjectFolder, plan: Plan, removed: tuple[str, ...], user: str, about: About) -> str:
-    """Save the files that will be replaced or removed as a backup in the trash. Return the number of this
+    """Write a backup of the files that will be replaced or removed to the trash. Return the number of this
     backup in the trash; empty if the restore changes nothing.
     """
     if not plan.new and not plan.changed and not removed:
@@ -119,13 +119,13 @@ def _write(folder: ProjectFolder, handle: int, backup: Judged, plan: Plan, done_
             except OSError as error:
                 raise said(error, name) from None
             if draft.sha256 != backup.hashes[name]:
-                raise refused(f"{quoted(name)} isn't what it was when it was judged")
+                raise refused(f"{quoted(name)} has changed since it was checked")
             folder.stand(draft, name, plan.known.get(name))
         done_so_far.append(name)
 
 
 def _remove(folder: ProjectFolder, name: str) -> None:
-    """Remove a file that has been saved, and the folders that this leaves empty."""
+    """Remove a file that has been saved, and the folders that are empty without it."""
     folder.remove_kept(name)
     parts = name.split("/")[:-1]
     with suppress(Trouble):

@@ -1,5 +1,5 @@
-"""Backups and restores by users: rights, audit trail, and the single uploaded backup that can wait to be
-restored.
+"""Backups and restores that users request: rights, audit trail, and the uploaded backup that waits to be
+restored. There is at most one such upload.
 """
 
 from __future__ import annotations
@@ -34,10 +34,10 @@ from yarclang.robot.model import Robot
 from yarclang.runtime.actions import Trouble
 
 KEPT = "before restore "
-"""First words of the names of saved files that restores have replaced."""
+"""Beginning of the names of backups in the trash that undo a restore."""
 
 _AT_ONCE = 2
-"""Most backups that are made at the same time."""
+"""Largest number of backups that are made at the same time."""
 _WAITS = 900.0
 """Time for which an upload waits to be restored [s]."""
 _NAME = "the backup"
@@ -113,8 +113,8 @@ class Backups:
         self._accounts.check(session, Role.SERVICE)
         self._accounts.used(session)
         if self._making >= _AT_ONCE:
-            what = f"{self._making} backups are made just now"
-            raise Trouble(what, "wait for the end of one of them", "busy")
+            what = f"{self._making} backups are being made"
+            raise Trouble(what, "wait until one of them is done", "busy")
         self._making += 1
         try:
             selection = await asyncio.to_thread(lambda: selected(self.folder, logs=logs))
@@ -150,7 +150,7 @@ class Backups:
         return selected(self.folder, logs=False)
 
     def undoable(self) -> tuple[Deleted, ...]:
-        """Return the files that restores have replaced, newest first. Waits for the disk."""
+        """Return the backups in the trash that undo restores, newest first. Waits for the disk."""
         return tuple(
             one for one in self.folder.trash.kept() if one.file.startswith(KEPT) and not one.is_folder
         )
@@ -169,8 +169,8 @@ class Backups:
             stream: the bytes of the zip.
 
         Raises:
-            Trouble: the upload is too large, too slow, or no safe backup, or another upload or restore is
-                running.
+            Trouble: the upload is too large, too slow, or isn't a safe backup, or another upload or restore
+                is running.
         """
         self._accounts.check(session, Role.SERVICE)
         self._accounts.used(session)
@@ -187,7 +187,9 @@ class Backups:
                         raise _too_large(size)
                     await asyncio.to_thread(_write, handle, piece)
                 if length is not None and size != length:
-                    raise Trouble(f"the backup has {length:,} bytes, and {size:,} came", "try again", "")
+                    raise Trouble(
+                        f"the backup has {length:,} bytes, but {size:,} were received", "try again", ""
+                    )
                 return await self._take(session, address, handle, size)
             except OSError as error:
                 raise said(error, _NAME) from None
@@ -196,8 +198,8 @@ class Backups:
                     os.close(handle)
 
     async def undo(self, session: Session, address: str, number: str) -> Upload:
-        """Prepare to undo a restore: load the backup of the files that it has replaced from the trash, as if
-        this backup had been uploaded.
+        """Prepare to undo a restore. The backup of the files that the restore has replaced is loaded from the
+        trash, as if it had been uploaded.
 
         Raises:
             Trouble: the files are no longer in the trash, or an upload or restore is running.
@@ -233,8 +235,8 @@ class Backups:
         return self._waiting is not None and self._waiting.session == session.id
 
     async def waiting(self, session: Session) -> Upload | None:
-        """Return the session's upload that waits to be restored, with the changes that its restore would
-        make now; None if no upload waits, or another upload or restore is running.
+        """Return the session's upload that waits to be restored; None if no upload waits, or if an upload or
+        restore is running. The plan of the upload has the changes that a restore would make now.
         """
         upload = self._waiting
         if upload is None or upload.session != session.id or self._busy:
@@ -268,7 +270,7 @@ class Backups:
         with self._alone():
             upload = self._waiting
             if upload is None or upload.number != number or upload.session != session.id:
-                raise Trouble("this backup isn't there any more", "upload it again", "missing")
+                raise Trouble("this backup no longer exists", "upload it again", "missing")
             if doing := self._doing():
                 raise Trouble(f"{doing} is under way", "restore when the robot is at rest", "Y1601")
             detail = json.dumps({"digest": digest, "remove": remove, **_counted(upload)}, sort_keys=True)
@@ -305,7 +307,7 @@ class Backups:
             Trouble: another upload or restore is running.
         """
         if self._busy:
-            raise Trouble("another backup is uploaded or restored just now", "wait for its end", "busy")
+            raise Trouble("another backup is being uploaded or restored", "wait for its end", "busy")
         self._busy = True
         try:
             yield
@@ -358,6 +360,6 @@ def _write(handle: int, data: bytes) -> None:
 
 def _too_large(size: int) -> Trouble:
     return Trouble(
-        f"the backup has {size:,} bytes or more, and at most {MOST_ZIP:,} are taken",
+        f"the backup has {size:,} bytes or more, but at most {MOST_ZIP:,} are accepted",
         "copy the folder on the computer itself", "large",
     )  # fmt: skip

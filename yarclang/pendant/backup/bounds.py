@@ -5,7 +5,7 @@ restored.
 from __future__ import annotations
 
 MOST_FILES = 20_000
-"""Most files and folders."""
+"""Largest number of files and folders."""
 
 LARGEST_FILE = 1 << 30
 """Largest file [bytes]."""
@@ -19,16 +19,16 @@ compressed is larger than the files.
 """
 
 RATIO, RATIO_FREE = 200, 200_000_000
-"""Limit on compression: all unpacked files together may have at most `RATIO` times the size of the zip,
-plus `RATIO_FREE` [bytes].
+"""Limit on compression, against zips that unpack to an enormous size: all unpacked files together may have at
+most `RATIO` times the size of the zip, plus `RATIO_FREE` [bytes].
 """
 
 DEEPEST = 50
 """Deepest nesting of folders."""
 
 MANIFEST = ".yarc-backup.jsonl"
-"""Name of the manifest in a backup, the list of its files. The name is that of a hidden file, so no file
-of a project can have it.
+"""Name of the manifest (list of files) in a backup. It begins with a dot, so no file of a project can have
+this name: hidden files don't belong to the project.
 """
 
 MOST_MANIFEST = 32_000_000

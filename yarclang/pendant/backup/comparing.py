@@ -83,8 +83,8 @@ class Plan:
         folders: empty folders that are created.
         conflicts: files that prevent the restore, with reasons.
         known: SHA-256 of the project's present files that the backup also contains, by path.
-        sizes: sizes of the new, changed and extra files [bytes], by path: of changed files the larger of old
-            and new size.
+        sizes: sizes of the new, changed and extra files [bytes], by path. For a changed file this is the
+            larger of its old and new size.
         digest: digest of the changes. It differs if the project has changed in a way that matters to the
             restore.
     """
@@ -101,8 +101,8 @@ class Plan:
 
 
 def plan_of(folder: ProjectFolder, backup: Judged) -> Plan:
-    """Compute the changes that a restore of a backup would make. For this, every file that is both in the
-    project and in the backup is read.
+    """Compute the changes that a restore of a backup would make. Reads every file that is both in the project
+    and in the backup.
 
     Args:
         folder: folder of the project.
@@ -115,7 +115,7 @@ def plan_of(folder: ProjectFolder, backup: Judged) -> Plan:
     if cut:
         raise Trouble(
             f"the project has more than {2 * MOST_FILES:,} files, or too many in one folder",
-            "move what isn't needed out of the project", "large",
+            "move files that aren't needed out of the project", "large",
         )  # fmt: skip
     present = {entry_after.file: entry_after for entry_after in entries}
     project = _Project(folder, present)
@@ -138,7 +138,7 @@ def plan_of(folder: ProjectFolder, backup: Judged) -> Plan:
             conflicts.append(LeftOut(file=name, why=trouble.what))
             continue
         if hashes[name] != backup.hashes[name]:
-            if (folder.root / name).is_symlink():  # the link's target may be restored as well
+            if (folder.root / name).is_symlink():  # the target of the link may itself be a file of the backup
                 conflicts.append(LeftOut(file=name, why="it is a link here"))
                 continue
             changed.append(name)
@@ -178,8 +178,8 @@ def _digest(new: list[str], changed: dict[str, str], extra: list[Here], backup: 
 
 
 def _extra(entries: tuple[Here, ...], backup: Judged) -> list[Here]:
-    """Return the files of the project that were created after the backup, which would contain them
-    otherwise. Files that a backup can't contain are not returned, so a restore doesn't remove them.
+    """Return the files of the project that were created after the backup. A restore may remove them. Files
+    that are missing in the backup for another reason, such as run logs, aren't returned.
     """
     names = Names()
     for name in backup.files:
@@ -196,7 +196,7 @@ def _extra(entries: tuple[Here, ...], backup: Judged) -> list[Here]:
         if entry.is_folder or entry.file in backup.files:
             continue
         if not is_part and not twins.isdisjoint(map(folded, _ways(entry.file))):
-            continue  # once removed, the file couldn't be restored beside a file of similar name
+            continue  # a backup can't contain names that look alike, so this removal couldn't be undone
         is_covered = has_logs or not is_log(entry.file)
         if entry.file in absent if is_part else is_covered and entry.file not in left_out:
             with suppress(Trouble):
@@ -206,14 +206,14 @@ def _extra(entries: tuple[Here, ...], backup: Judged) -> list[Here]:
 
 
 def _ways(name: str) -> Iterator[str]:
-    """Yield the folders that contain a file, and the file itself."""
+    """Yield the path of each folder that contains a file, and the path of the file itself."""
     parts = name.split("/")
     return ("/".join(parts[: count + 1]) for count in range(len(parts)))
 
 
 class _Project:
-    """The project at the time of a restore. The result for each folder is remembered, because a folder may
-    contain thousands of files.
+    """The project at the time of a restore. Each folder is checked only once, because a folder may contain
+    thousands of files.
 
     Args:
         folder: folder of the project.
@@ -256,5 +256,5 @@ class _Project:
             except Trouble as trouble:
                 return trouble.what
             if os.path.lexists(path) or path != self._folder.root / name:
-                return "something that isn't listed has its name here"
+                return "an unlisted file or folder here has its name"
         return ""

@@ -1,8 +1,8 @@
 """The manifest of a backup: a list of its files, with the robot, the time, and the version of yarclang.
 
 Each line is a JSON value: first the head, then the files, the files that were left out, and the files that
-didn't exist before a restore. If the manifest of 20,000 files were a single JSON value, parsing it would
-block the Python interpreter, and with it the loop that streams to the controller.
+didn't exist before a restore. A single JSON value with 20,000 files would block the Python interpreter while
+it is parsed, and with it the loop that streams to the controller.
 """
 
 from __future__ import annotations
@@ -127,7 +127,7 @@ def manifest_of(text: bytes) -> Manifest:
     except (ValidationError, RecursionError):
         raise _unknown() from None
     if head.format != FORMAT:
-        raise refused(f"its list {MANIFEST} has the format {head.format}, and only {FORMAT} is known here")
+        raise refused(f"its list {MANIFEST} has the format {head.format}, but only {FORMAT} is supported")
     return Manifest(head, tuple(files), tuple(left_out), tuple(absent))
 
 

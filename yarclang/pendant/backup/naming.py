@@ -38,15 +38,15 @@ class Names:
         known_way = "/".join(parts[:-1]) in self._folders
         check_new(parts[-1:] if known_way else parts)
         if len(parts) > DEEPEST:
-            raise Trouble(f"{quoted(name)} lies in more than {DEEPEST} folders", "", "")
+            raise Trouble(f"{quoted(name)} is more than {DEEPEST} folders deep", "", "")
         if name in self._listed:
-            raise Trouble(f"{quoted(name)} is there twice", "", "")
+            raise Trouble(f"{quoted(name)} exists twice", "", "")
         first = len(parts) - 1 if known_way else 0
         tops = {count: "/".join(parts[: count + 1]) for count in range(first, len(parts))}
         for count, top in tops.items():
             known = self._spelled.get(folded(top), top)
             if known != top:
-                raise Trouble(f"{quoted(top)} looks like {quoted(known)}, which is there as well", "", "")
+                raise Trouble(f"{quoted(top)} looks like {quoted(known)}, which also exists", "", "")
             is_folder = folder or count < len(parts) - 1
             if top in self._spelled and is_folder != (top in self._folders):
                 raise Trouble(f"{quoted(top)} is a file and a folder", "", "")

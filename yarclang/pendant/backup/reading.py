@@ -1,9 +1,9 @@
 """Reader for untrusted zips. The structure of a zip is checked before anything is unpacked, and the unpacked
-files are compared with the sizes and checksums in the zip's directory.
+files are compared with the sizes and checksums in the zip's directory (its table of contents).
 
-Only the layout that `writing` and common programs produce is accepted: files one after the other without
-gaps, then one directory (the zip's table of contents), then the end record. So no two files can share bytes,
-no bytes are hidden, and the directory agrees with the header of each file.
+Only the layout that `writing` and common programs produce is accepted: the files one after the other without
+gaps, then one directory, then the end record. So no two files can share bytes, no bytes are hidden, and the
+directory agrees with the header of each file.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ _CENTRAL = struct.Struct("<4s6H3L5H2L")
 _LOCAL = struct.Struct("<4s5H3L2H")
 _SIGNS = (b"PK\5\6", b"PK\1\2", b"PK\3\4", b"PK\7\x08")
 _MOST_EXTRA = 2000
-"""Most bytes of the extra fields and the comment of one entry in the directory."""
+"""Largest total size of the extra fields and the comment of one entry in the directory [bytes]."""
 _MOST_DIRECTORY = (MOST_FILES + 1) * (_CENTRAL.size + 200)
 _ENCRYPTED = 0x0001 | 0x0040 | 0x2000
 _PATCHED = 0x0020
@@ -124,19 +124,19 @@ def entries_of(handle: int, size: int) -> tuple[Entry, ...]:
             raise refused(f"its files have more than {MOST_BYTES:,} bytes together")
         listed.append(row)
     if at != len(rows.data):
-        raise refused("its directory has bytes that belong to no entry")
+        raise refused("its directory has bytes outside of all entries")
     if sum(row.entry.name == MANIFEST for row in listed) > 1:
-        raise refused(f"its list {MANIFEST} is there twice")
+        raise refused(f"its list {MANIFEST} exists twice")
     if total > RATIO_FREE + RATIO * size:
         raise refused(
-            f"its {size:,} bytes would become {total:,}, and at most {RATIO} times as many are unpacked"
+            f"its {size:,} bytes would become {total:,}, but at most {RATIO} times as many are unpacked"
         )
     return _placed(handle, listed, begins)
 
 
 @dataclass(frozen=True, slots=True)
 class _Rows:
-    """The bytes of the zip's directory, and the number of entries that the zip's end record states."""
+    """The bytes of the zip's directory, and the number of its entries according to the zip's end record."""
 
     data: bytes
     count: int
@@ -146,21 +146,21 @@ def _directory(handle: int, size: int) -> tuple[int, _Rows]:
     """Return the offset of the directory, and its bytes."""
     end = os.pread(handle, _END.size, max(0, size - _END.size))
     if len(end) < _END.size or end[:4] != _SIGNS[0]:
-        raise refused("it is no zip, is cut off, or has something after its end")
+        raise refused("it isn't a zip, is truncated, or has data after its end")
     _, disk, first, here, count, length, begins, comment = _END.unpack(end)
     if 0xFFFF in (here, count) or 0xFFFFFFFF in (length, begins):
         raise refused("it is a zip64, which no backup of this size needs")
     if disk or first or here != count or comment:
         raise refused("it is a part of several, or has a comment")
     if count > MOST_FILES + 1:
-        raise refused(f"it has {count:,} entries, and at most {MOST_FILES:,} are unpacked")
+        raise refused(f"it has {count:,} entries, but at most {MOST_FILES:,} are unpacked")
     if begins + length + _END.size != size:
-        raise refused("its directory isn't where its end says")
+        raise refused("its directory isn't at the position that its end record gives")
     if length > _MOST_DIRECTORY:
-        raise refused(f"its directory has {length:,} bytes, and at most {_MOST_DIRECTORY:,} are read")
+        raise refused(f"its directory has {length:,} bytes, but at most {_MOST_DIRECTORY:,} are read")
     data = os.pread(handle, length, begins)
     if len(data) != length:
-        raise refused("it is cut off")
+        raise refused("it is truncated")
     return begins, _Rows(data, count)
 
 
@@ -172,7 +172,7 @@ def _row(data: bytes, at: int) -> tuple[_Listed, int]:
     _, _, _, flags, method, _, _, crc, packed, size, named, extra, comment, disk, _, kind, place = fields
     at += _CENTRAL.size
     if named + extra + comment > len(data) - at:
-        raise refused("its directory is cut off")
+        raise refused("its directory is truncated")
     raw = data[at : at + named]
     _check_extra(data[at + named : at + named + extra], raw)
     name = _named(raw, flags)
@@ -181,18 +181,18 @@ def _row(data: bytes, at: int) -> tuple[_Listed, int]:
     if disk or 0xFFFFFFFF in (packed, size, place):
         raise refused(f"{quoted(name)} is a zip64 entry, or lies in another part")
     if size > LARGEST_FILE:
-        raise refused(f"{quoted(name)} has {size:,} bytes, and at most {LARGEST_FILE:,} are unpacked")
+        raise refused(f"{quoted(name)} has {size:,} bytes, but at most {LARGEST_FILE:,} are unpacked")
     if is_folder and (size or packed > 2):
         raise refused(f"the folder {quoted(name)} has a content")
     if method == STORED and packed != size:
-        raise refused(f"{quoted(name)} isn't compressed, and has two sizes")
+        raise refused(f"{quoted(name)} isn't compressed, but has two sizes")
     entry = Entry(name.removesuffix("/"), is_folder, method, crc, packed, size, 0)
     return _Listed(entry, raw, flags, place), at + named + extra + comment
 
 
 def _named(raw: bytes, flags: int) -> str:
     if len(raw) > MOST_PATH + 1:
-        raise refused(f"a name has {len(raw)} bytes, and at most {MOST_PATH} are allowed")
+        raise refused(f"a name has {len(raw)} bytes, but at most {MOST_PATH} are allowed")
     try:
         return raw.decode("utf-8" if flags & _UTF8 else "ascii")
     except UnicodeDecodeError:
@@ -203,7 +203,7 @@ def _check_kind(name: str, kind: int, flags: int, method: int, *, is_folder: boo
     if flags & _ENCRYPTED:
         raise refused(f"{quoted(name)} is encrypted")
     if flags & _PATCHED or method not in (STORED, DEFLATED):
-        raise refused(f"{quoted(name)} is compressed by method {method}, which isn't read here")
+        raise refused(f"{quoted(name)} is compressed by method {method}, which isn't supported")
     sort = stat.S_IFMT(kind >> 16)
     if sort not in (0, stat.S_IFREG, stat.S_IFDIR):
         what = "a link" if sort == stat.S_IFLNK else "a device, a pipe or something else"
@@ -215,10 +215,10 @@ def _check_kind(name: str, kind: int, flags: int, method: int, *, is_folder: boo
 
 
 def _check_extra(extra: bytes, raw: bytes) -> None:
-    """Check that no extra field contains another name or other sizes."""
+    """Check that no extra field of an entry contains a second name or second sizes."""
     at = 0
     if len(extra) > _MOST_EXTRA:
-        raise refused(f"{len(extra):,} bytes stand beside the name {raw[:60]!r}")
+        raise refused(f"{len(extra):,} extra bytes follow the name {raw[:60]!r}")
     while at + 4 <= len(extra):
         key, length = struct.unpack_from("<2H", extra, at)
         if key == _ZIP64:
@@ -236,15 +236,13 @@ def _placed(handle: int, listed: list[_Listed], end: int) -> tuple[Entry, ...]:
     for row in sorted(listed, key=lambda one: one.at):
         if row.at != at:
             problem = (
-                "shares bytes with another entry"
-                if row.at < at
-                else "has bytes before it that belong to none"
+                "shares bytes with another entry" if row.at < at else "follows bytes outside of all entries"
             )
             raise refused(f"{quoted(row.entry.name)} {problem}")
         begins = _begins(handle, row)
         at = begins + row.entry.packed
         if at > end:
-            raise refused(f"{quoted(row.entry.name)} has more bytes than there are")
+            raise refused(f"{quoted(row.entry.name)} has more bytes than the file")
         if row.flags & _DESCRIBED:
             at += _described(handle, row, at)
         placed.append(
@@ -254,7 +252,7 @@ def _placed(handle: int, listed: list[_Listed], end: int) -> tuple[Entry, ...]:
             )
         )  # fmt: skip
     if at != end:
-        raise refused("it has bytes before its directory that belong to no entry")
+        raise refused("it has bytes before its directory, outside of all entries")
     return tuple(placed)
 
 
@@ -267,20 +265,20 @@ def _begins(handle: int, row: _Listed) -> int:
     _, _, flags, method, _, _, crc, packed, size, named, extra = _LOCAL.unpack(head)
     more = os.pread(handle, named + extra, row.at + _LOCAL.size)
     if len(more) != named + extra or more[:named] != row.raw:
-        raise refused(f"{name} has another name where it stands")
+        raise refused(f"{name} has another name in its local header")
     _check_extra(more[named:], row.raw)
     entry = row.entry
     known = (entry.crc, entry.packed, entry.size)
     sizes = {known, (0, 0, 0)} if flags & _DESCRIBED else {known}
     if (flags, method) != (row.flags, entry.method) or (crc, packed, size) not in sizes:
-        raise refused(f"{name} has another size or kind where it stands than in the directory")
+        raise refused(f"{name} has another size or kind in its local header than in the directory")
     length: int = named + extra
     return row.at + _LOCAL.size + length
 
 
 def _described(handle: int, row: _Listed, at: int) -> int:
-    """Return the length [bytes] of the data descriptor after the content of a file. The descriptor repeats
-    the checksum and sizes; it is checked.
+    """Check the data descriptor after the content of a file, which repeats the checksum and sizes. Return the
+    length of the descriptor [bytes].
     """
     entry = row.entry
     told = struct.pack("<3L", entry.crc, entry.packed, entry.size)
@@ -292,8 +290,8 @@ def _described(handle: int, row: _Listed, at: int) -> int:
 
 
 def content(handle: int, entry: Entry) -> Iterator[bytes]:
-    """Yield the unpacked content of a file as pieces of bytes. Together they are never more than the size in
-    the zip's directory.
+    """Yield the unpacked content of a file as pieces of bytes. The pieces together are never longer than the
+    size that the zip's directory states.
 
     Args:
         handle: descriptor of the open zip.

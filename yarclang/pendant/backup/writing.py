@@ -25,11 +25,11 @@ LOGS = ".mcap"
 
 _PIECE = 1 << 18
 _LARGEST_DEFLATED = 32_000_000
-"""Size above which files are stored uncompressed [bytes]; files of this size are logs and meshes."""
+"""Size above which a file is stored uncompressed [bytes]. Such large files are mostly logs and meshes."""
 _MUCH, _RATIO = 50_000_000, 50
-"""Limit on compression: a file is compressed only if the files before it have together at most `_MUCH`
-[bytes] plus `_RATIO` times the size of the zip so far. So every backup is within the limits that a restore
-checks.
+"""Limit on compression, which keeps every backup within the limits that a restore checks. If the files that
+are already in the zip have an unpacked size of more than `_MUCH` [bytes] plus `_RATIO` times the size of the
+zip, the next file is stored uncompressed.
 """
 _EARLIEST = (1980, 1, 1, 0, 0, 0)
 
@@ -61,8 +61,8 @@ class Selection:
         left_out: files that can't be included, with the reasons.
         logs: True if logs of runs are included.
         skipped: run logs that are left out on request.
-        absent: files that a restore will create, if this is the backup that undoes it; None for a backup of
-            the whole project.
+        absent: for the backup that undoes a restore, the files that the restore will create; None for a
+            backup of the whole project.
     """
 
     files: tuple[Entry, ...]
@@ -96,9 +96,9 @@ def selected(folder: ProjectFolder, *, logs: bool) -> Selection:
     entries, cut = folder.entries(MOST_FILES)
     if cut:
         raise Trouble(
-            f"the project has more than {MOST_FILES:,} files, or too many in one folder, and a backup "
-                f"can't have them",
-            "move what isn't needed out of the project, or copy the folder on the computer itself", "large",
+            f"the project has more than {MOST_FILES:,} files, or too many in one folder for a backup",
+            "move files that aren't needed out of the project, or copy the folder on the computer "
+            "itself", "large",
         )  # fmt: skip
     names = Names()
     files: list[Entry] = []
@@ -111,10 +111,10 @@ def selected(folder: ProjectFolder, *, logs: bool) -> Selection:
             continue
         try:
             if entry.size > LARGEST_FILE:
-                what = f"it has {entry.size:,} bytes, and at most {LARGEST_FILE:,} are backed up"
+                what = f"it has {entry.size:,} bytes, but at most {LARGEST_FILE:,} are backed up"
                 raise Trouble(what, "", "")
             if (folder.root / entry.file).is_symlink():
-                raise Trouble("it is a link: what it leads to is backed up under its own name", "", "")
+                raise Trouble("it is a link: its target is backed up under the target's name", "", "")
             names.add(entry.file, folder=entry.is_folder)
         except Trouble as trouble:
             left_out.append(LeftOut(file=entry.file[:1000], why=trouble.what))
@@ -130,14 +130,14 @@ def selected(folder: ProjectFolder, *, logs: bool) -> Selection:
     )
     if selection.size > MOST_BYTES:
         raise Trouble(
-            f"the project has {selection.size:,} bytes, and a backup has at most {MOST_BYTES:,}",
-            "leave the logs of runs out, or copy the folder on the computer itself", "large",
+            f"the project has {selection.size:,} bytes, but a backup may have at most {MOST_BYTES:,}",
+            "exclude the logs of runs, or copy the folder on the computer itself", "large",
         )  # fmt: skip
     return selection
 
 
 class _Sink:
-    """Output of a zip that can't be rewound."""
+    """Output for a zip that is written front to back. Unlike a file, it can't be rewound."""
 
     def __init__(self) -> None:
         self.size = 0
@@ -187,7 +187,7 @@ def zipped(
                 read += row.size
                 listed.append(row)
                 if strict and row.changing:
-                    raise Trouble(f"{quoted(file.file)} changes just now, or is too large", "try again", "")
+                    raise Trouble(f"{quoted(file.file)} is being changed, or is too large", "try again", "")
             except Trouble as trouble:
                 if strict:
                     raise
@@ -211,15 +211,15 @@ def zipped(
 def _added(
     folder: ProjectFolder, name: str, archive: zipfile.ZipFile, sink: _Sink, most: int
 ) -> Generator[bytes, None, ListedFile]:
-    """Add a file to a zip. Yield the new bytes of the zip. The generator returns the file's entry for the
-    manifest.
+    """Add a file to a zip, and yield the new bytes of the zip. The generator's return value is the file's
+    entry for the manifest.
 
     Args:
         folder: folder of the project.
         name: path of the file in the project.
         archive: the zip.
         sink: output to which the zip is written.
-        most: number of bytes at which reading of the file stops.
+        most: largest number of bytes that are read from the file.
     """
     with folder.opened(name) as (handle, status, _):
         info = _info(name, stat.S_IFREG | 0o644, moment(status.st_mtime))

@@ -1,3 +1,3 @@
-"""Calibration at the pendant: the robot's positions that a user records at touched points or at joint
-marks, the result that follows from them, and writing the result to a file.
+"""Calibration at the pendant. The user moves the robot to touched points or to marks on the joints and
+records its positions. The result is computed from them and written to a file.
 """

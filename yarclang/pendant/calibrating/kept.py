@@ -22,7 +22,7 @@ from yarclang.runtime.actions import Trouble
 from yarclang.semantics.names.scope import BASE
 
 MOST_TOUCHES = 40
-"""Most touches of one calibration."""
+"""Largest number of touches of one calibration."""
 
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,59}")
 
@@ -71,7 +71,7 @@ class Calibrations:
         return self._kept.get(session.id)
 
     def other(self) -> Calibration | None:
-        """Return the newest calibration of any session; None if there is none."""
+        """Return the newest calibration of all sessions; None if there is none."""
         return max(self._kept.values(), key=lambda one: one.version, default=None)
 
     def forget(self, session: str) -> None:
@@ -90,10 +90,10 @@ class Calibrations:
         """
         calibration = self._kept.get(session.id)
         if calibration is None:
-            raise Trouble("no calibration goes on", "begin one", "gone")
+            raise Trouble("no calibration is in progress", "begin one", "gone")
         if calibration.version != version:
             what = "the calibration was changed on another page"
-            raise Trouble(what, "look at its touches, and try again", "changed")
+            raise Trouble(what, "check its touches, and try again", "changed")
         return calibration
 
     async def begin(self, session: Session, request: said.BeginCalibration) -> Calibration:
@@ -104,8 +104,8 @@ class Calibrations:
             request: kind of the calibration, with its parameters.
 
         Raises:
-            Trouble: the session already has a calibration with touches, which the request (`anew`) doesn't
-                replace; or the request names an unknown joint or frame.
+            Trouble: the session already has a calibration with touches and `request.anew` is False, or the
+                request names an unknown joint or frame.
         """
         requested, tool = request.calibration, ""
         match requested:
@@ -119,9 +119,10 @@ class Calibrations:
         going = self._kept.get(session.id)
         if going is not None and going.touching.joints and not request.anew:
             what = (
-                f"a calibration of {going.touching.name} goes on, with {len(going.touching.joints)} touches"
+                f"a calibration of {going.touching.name} is in progress, with "
+                f"{len(going.touching.joints)} touches"
             )
-            raise Trouble(what, "go on with it, or forget it", "going")
+            raise Trouble(what, "continue or discard it", "going")
         made = Calibration(session.user, touching, tool, next(self._versions))
         self._kept[session.id] = made
         return made
@@ -131,19 +132,20 @@ class Calibrations:
 
         Raises:
             Trouble: the robot moves or isn't referenced, its position equals that of another touch, there are
-                too many touches, or the calibration was changed meanwhile.
+                too many touches, or the calibration has changed since the page showed it.
         """
         calibration = self.going_on(session, request.version)
         count_before = len(calibration.touching.joints)
         if request.at is None and count_before >= MOST_TOUCHES:
             raise Trouble(
-                f"{count_before} touches are there, and no more are kept", "take the worst one away", "most"
+                f"{count_before} touches are recorded, and no more can be added",
+                "remove the worst touch",
+                "most",
             )
         _check_there(request.at, count_before)
         joints = await stands(self._watched, self._motors(calibration.touching))
-        calibration = self.going_on(
-            session, request.version
-        )  # another page may have changed it during the request
+        # Check again: during the wait, another page may have changed the calibration.
+        calibration = self.going_on(session, request.version)
         self._check_new(calibration.touching, joints, request.at)
         calibration.touching.touch(joints, request.at)
         calibration.version = next(self._versions)
@@ -153,25 +155,24 @@ class Calibrations:
         """Remove a touch.
 
         Raises:
-            Trouble: there is no such touch, a later touch would take its role, or the calibration was changed
-                meanwhile.
+            Trouble: there is no such touch, the next touch would take its role (such as the origin of a
+                frame), or the calibration has changed since the page showed it.
         """
         calibration = self.going_on(session, request.version)
         _check_there(request.at, len(calibration.touching.joints))
         if not calibration.touching.can_go(request.at):
-            what = f"touch {request.at + 1} can't be taken away: the next one would take its place"
-            raise Trouble(what, "take it anew, or take away those after it first", "order")
+            what = f"touch {request.at + 1} can't be removed: the next touch would take its place"
+            raise Trouble(what, "record it again, or remove the touches after it first", "order")
         calibration.touching.untouch(request.at)
         calibration.version = next(self._versions)
         return calibration
 
     def _motors(self, touching: Touching) -> Collection[int] | None:
-        """Return the motors that must be referenced for a touch; None for all motors. For a calibration of
-        motor offsets, these are the motors that move the calibrated joints, directly or through coupled
-        joints.
+        """Return the motors that must be referenced for a touch; None for all motors.
 
-        The offset of a motor follows from the motor's encoder count and from the positions of all joints that
-        the motor moves. So an unreferenced motor of another joint doesn't matter.
+        For a calibration of motor offsets, these are the motors that move the calibrated joints, directly or
+        through coupled joints. A motor's offset follows from its encoder count and the positions of all
+        joints that it moves, so other motors need not be referenced.
         """
         if not isinstance(touching, HomeTouching):
             return None
@@ -186,14 +187,16 @@ class Calibrations:
             joints = more
 
     def _check_new(self, touching: Touching, joints: Array, at: int | None) -> None:
-        """Check that the robot's position differs from those of the other touches. In a calibration of
-        motor offsets it needn't, because the joints go to their marks repeatedly.
+        """Check that the robot's position differs from those of the other touches.
+
+        For a calibration of motor offsets nothing is checked: there, the joints are moved to the same marks
+        several times.
         """
         if isinstance(touching, HomeTouching):
             return
         for number, other in enumerate(touching.joints):
             if number != at and np.abs(other - joints).max() < _SAME:
-                what = f"the robot stands where it stood at touch {number + 1}: this says nothing new"
+                what = f"the robot is at the same position as at touch {number + 1}: this adds no information"
                 raise Trouble(what, "move it, then touch again", "same")
 
     def _marks(self, request: said.OffsetCalibration) -> dict[str, float]:
@@ -204,7 +207,7 @@ class Calibrations:
                 problem = f"{robot.name} has no joint {name[:40]!r}"
                 raise Trouble(problem, f"its joints are {listed_joints(robot.joint_names)}", "joints")
             if robot.joint_names[at] in marks:
-                raise Trouble(f"joint {name[:40]} is named twice", "leave one of them", "joints")
+                raise Trouble(f"joint {name[:40]} is named twice", "remove one of the two", "joints")
             unit, factor = robot.axis_unit_names[at], float(robot.axis_units[at])
             lower, upper = float(robot.limits.lower[at]) / factor, float(robot.limits.upper[at]) / factor
             if not lower <= value <= upper:
@@ -222,8 +225,8 @@ class Calibrations:
             if one.name.upper() == name and one.on_flange:
                 return name, np.array(one.pose)
         raise Trouble(
-            f"{name_asked[:40]!r} isn't a frame on the flange: it can't touch",
-            "choose one of the list",
+            f"{name_asked[:40]!r} isn't a frame on the flange, so it can't touch anything",
+            "choose one from the list",
             "frame",
         )
 
@@ -248,8 +251,8 @@ def plain_name(any_name: str) -> str:
     """
     name = any_name.strip("{} ")
     if _NAME.fullmatch(name) is None:
-        what = f"{name[:60]!r} is no name"
-        raise Trouble(what, "names have up to 60 letters, digits and _, and begin with a letter", "name")
+        what = f"{name[:60]!r} isn't a valid name"
+        raise Trouble(what, "a name has up to 60 letters, digits and _, and begins with a letter", "name")
     return name.upper()
 
 
@@ -268,5 +271,5 @@ def tip_name(wanted: str) -> str:
 def _check_there(at: int | None, touches_known: int) -> None:
     if at is not None and at >= touches_known:
         raise Trouble(
-            f"there is no touch {at + 1}: {touches_known} are there", "look at the touches again", "gone"
+            f"there is no touch {at + 1}: {touches_known} are recorded", "reload the touches", "gone"
         )

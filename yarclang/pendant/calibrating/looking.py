@@ -23,8 +23,8 @@ in the session after the block.
 _SHARE = "10%"
 """Speed of these motions as a share of the robot's limits: as slow as the approach to a program's start."""
 _SHORT = 5.0 * MM
-"""Distance [m] between tip and flange below which the direction from one to the other is too uncertain to
-tell on which side of a touched point or plane the tool is.
+"""Smallest distance between tip and flange from which the direction of the tool is derived [m]. With a
+shorter tool, it isn't certain on which side of a touched point or plane the tool is.
 """
 
 
@@ -41,15 +41,15 @@ def look(calibration: Calibration, request: LookCalibration) -> LookText:
     """
     touching = calibration.touching
     if request.at is not None and request.at >= len(touching.joints):
-        raise Trouble(f"there is no touch {request.at + 1}", "look at the touches again", "gone")
+        raise Trouble(f"there is no touch {request.at + 1}", "reload the touches", "gone")
     if isinstance(touching, TipTouching) and touching.value is not None:
         return _tip(touching, request)
     if isinstance(touching, FrameTouching) and touching.value is not None:
         return _frame(touching, calibration.tool, request)
     if touching.result_text():
         raise Trouble(
-            "offsets can't be tried before they are written and loaded",
-            "bring the joints to their marks afterwards",
+            "offsets can be checked only after they are written and loaded",
+            "then move the joints to their marks",
             "look",
         )
     raise Trouble("there is no result yet", touching.next_step(), "result")
@@ -84,7 +84,7 @@ def _frame(touching: FrameTouching, tool: str, request: LookCalibration) -> Look
     flange = flange_poses(touching.robot.chain, touching.joints[at][None])[0]
     tip = flange @ touching.flange_from_tip
     z = base_from_frame[:3, 2]
-    # The tool stays on the side of the plane from which it has touched, for both directions of z.
+    # Keep the tool on the side from which it touched the plane, even if z points to the other side.
     side = float((flange[:3, 3] - tip[:3, 3]) @ z)
     if abs(side) < _SHORT:
         side = float(z[2])
@@ -93,13 +93,12 @@ def _frame(touching: FrameTouching, tool: str, request: LookCalibration) -> Look
     frame_from_tip[2, 3] = side * request.distance * MM
     point = ("the origin", "the point on x")[at] if at < 2 else f"touch {at + 1}"
     problem = (
-        f"{tool} goes to {request.distance:g} mm above {point}: it must stand right above what was "
-        f"touched there"
+        f"{tool} goes to {request.distance:g} mm above {point}: it must be exactly above the touched point"
     )
     if side < 0.0:
         problem += (
-            ". z of the frame points into the surface, away from the tool: touch the point of the plane "
-            "on the other side of x if that isn't meant"
+            ". z of the frame points into the surface, away from the tool: if this is wrong, touch the "
+            "point of the plane on the other side of x"
         )
     text = _block(frame_line(_NAME, base_from_frame, "B"), tool.strip("{}"), frame_from_tip, _NAME)
     return LookText(text=text, what=problem)

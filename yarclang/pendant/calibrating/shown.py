@@ -27,8 +27,8 @@ from yarclang.units import DEG, MM
 
 _FEWEST_VISITS = 3
 _BELOW = 0.975
-"""Quantile of Student's t distribution for the reported error bound. It is used on both sides, so 95 of 100
-errors are within the bound.
+"""Level of the quantile of Student's t distribution for the reported error bound. Since errors have both
+signs, 95 of 100 errors are within the bound.
 """
 _EXACT = 1e-3
 """Largest residual that counts as exact [mm or deg]. No touch with a smaller residual is marked as the
@@ -136,13 +136,13 @@ def _of_tip(rotations: Array, error: float) -> tuple[tuple[SpreadRow, ...], str]
         return rows, ""
     certainty = "isn't known at all" if np.isinf(worst) else f"is known only to {_length(worst)}"
     if error > LARGEST_TIP:
-        return rows, f"the touches are off by {_length(error)} each: take the worst ones again"
+        return rows, f"the touches deviate by {_length(error)} each: record the worst ones again"
     tilt = helpful_tilt(rotations, error)
     after_that = "" if np.isinf(tilt.longest) else f": then it is known to {_length(tilt.longest)}"
     alike = (
         "the touches are tilted too little, or all about the same axis"
         if len(rotations) > 1
-        else "one touch says nothing yet"
+        else "one touch isn't enough"
     )
     return rows, (
         f"{alike}: the tip along {_direction(spread.directions[0])} of the flange {certainty}. "
@@ -171,7 +171,7 @@ def _of_frame(points: Array, error: float) -> tuple[tuple[SpreadRow, ...], str]:
     advice = []
     if spread.turns[2] > LARGEST_TURN:
         advice.append(
-            f"the point on x is only {spread.base / MM:.0f} mm from the origin: touch it anew, "
+            f"the point on x is only {spread.base / MM:.0f} mm from the origin: touch it again, "
             f"{needed:.0f} mm or more away"
         )
     if len(points) > 2 and spread.turns[0] > LARGEST_TURN:
@@ -192,8 +192,8 @@ def _of_marks(touching: HomeTouching) -> tuple[tuple[SpreadRow, ...], str]:
         return (
             (),
             (
-                "one visit doesn't show how well the mark repeats: leave it, approach it again from the "
-                "same side, and touch again"
+                "one visit doesn't show the repeatability of the mark: move away, approach it again from "
+                "the same side, and touch again"
             ),
         )
     from scipy.special import stdtrit
@@ -203,7 +203,8 @@ def _of_marks(touching: HomeTouching) -> tuple[tuple[SpreadRow, ...], str]:
         if name not in touching.marks:
             continue
         unit, factor = robot.axis_unit_names[at], robot.axis_units[at]
-        # Error of the mean by Student's t distribution, because there are only few visits to each mark.
+        # Error bound of the mean, by Student's t distribution, because each mark was visited only a few
+        # times.
         error = share * float(visits[:, at].std(ddof=1)) / np.sqrt(len(visits))
         moved = _flange_moves(touching, at, error)
         rows.append(
@@ -214,13 +215,18 @@ def _of_marks(touching: HomeTouching) -> tuple[tuple[SpreadRow, ...], str]:
             )
         )
     if len(visits) < _FEWEST_VISITS:
-        return tuple(rows), "two visits tell little: a third one shows whether they repeat by chance"
+        return tuple(rows), "two visits may agree by chance: make a third one"
     return tuple(rows), ""
 
 
 def _flange_moves(touching: HomeTouching, joint: int, by: float) -> float:
-    """Return how far the flange moves [m] if a joint has an error [rad or m] while the joints are at their
+    """Return how far the flange is displaced [m] by an error of one joint while the joints are at their
     marks.
+
+    Args:
+        touching: recorded positions of the joints at their marks.
+        joint: number of the joint.
+        by: error of the joint [rad or m].
     """
     there = np.mean(touching.joints, axis=0)
     off = there.copy()
@@ -237,8 +243,8 @@ def _direction(direction: Array) -> str:
 
 
 _ALONG = 0.985
-"""Cosine of the angle between a direction and a coordinate axis, above which the direction is named after
-the axis: within 10 deg.
+"""Least cosine of the angle between a direction and a coordinate axis at which the direction is named after
+the axis. It corresponds to 10 deg.
 """
 
 

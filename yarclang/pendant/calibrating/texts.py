@@ -32,13 +32,13 @@ from yarclang.teaching.holding import around
 from yarclang.toml.changes import ChangeError
 
 RESTART = "restart the pendant (System > Controller): until then it uses the previous description"
-SETTINGS = f"{RESTART}; then send the settings to the controller again"
+SETTINGS = f"{RESTART}, then send the settings to the controller again"
 CELL = "the coordinator reads the cell again by itself; programs that are loaded have to be loaded again"
 PROGRAM = "load the program again"
 
 _NEAR = 5e-6
-"""Largest rounding error of a pose that is accepted when the changed text is read back [m, and entries of
-rotation matrices].
+"""Largest rounding error of a pose that is accepted when the changed text is read back. It applies to the
+position [m], and to the entries of the rotation matrix.
 """
 _OFFSET = 0.006
 """Largest rounding error of motor offsets that is accepted when the changed text is read back [counts]."""
@@ -77,7 +77,7 @@ def in_robot(source: SourceFile, place: Path, robot: Robot, touching: Touching, 
     before = read_robot(source, place.parent)
     if before.value is None:
         first = before.diagnostics[0]
-        raise Trouble(f"{place.name} can't be read as it is: {first.message}", first.help, first.code)
+        raise Trouble(f"{place.name} can't be read: {first.message}", first.help, first.code)
     if isinstance(touching, HomeTouching):
         return _offsets(source, place, (robot, before.value), touching)
     if not isinstance(touching, TipTouching) or touching.value is None:
@@ -88,7 +88,8 @@ def in_robot(source: SourceFile, place: Path, robot: Robot, touching: Touching, 
     old = before.value.flange_from_frame.get(name)
     if old is not None and not replace:
         raise _exists(
-            f"{{{name}}} is a frame of {before.value.name} already", "its tip moves, its orientation stays"
+            f"{{{name}}} is a frame of {before.value.name} already",
+            "its tip changes, its orientation doesn't",
         )
     key, local = name, tip
     tables = tomllib.loads(source.text).get("frames", {})
@@ -114,7 +115,7 @@ def in_robot(source: SourceFile, place: Path, robot: Robot, touching: Touching, 
         else moves_text(name, old, new_offsets)
     )
     if hanging:
-        description += f"; {', '.join(f'{{{one}}}' for one in hanging)} hang on it, and move with it"
+        description += f"; {', '.join(f'{{{one}}}' for one in hanging)} are attached to it, and move with it"
     return Made(text, description, RESTART, after.diagnostics)
 
 
@@ -123,7 +124,7 @@ def _offsets(source: SourceFile, place: Path, robots: tuple[Robot, Robot], touch
     robot, on_disk = robots
     known, there = robot.actuation.offset, on_disk.actuation.offset
     if known.shape != there.shape or np.abs(known - there).max() > _OFFSET:
-        what = f"the offsets in {place.name} are others than those that the pendant has begun with"
+        what = f"the offsets in {place.name} have changed since the pendant was started"
         raise Trouble(what, "restart the pendant (System > Controller), and touch again", "stale")
     offsets = touching.value.offsets
     text = _changed(lambda: with_offsets(source, offsets), place.name)
@@ -151,7 +152,7 @@ def in_cell(
     """
     if not isinstance(touching, FrameTouching) or touching.value is None:
         raise Trouble(
-            "only a frame is written into a cell", "write it into the robot's file or a program", "to"
+            "only a frame can be written into a cell", "write it into the robot's file or a program", "to"
         )
     names, name = Names(is_word, robot), touching.name
     try:
@@ -224,7 +225,7 @@ def _check_pose(present: Array | None, expected: Array, findings: tuple[Diagnost
 
 def _lost(findings: tuple[Diagnostic, ...]) -> Trouble:
     said = f": {findings[0].message}" if findings else ""
-    what = f"the file would not be read back as what was calibrated{said}"
+    what = f"the written file would differ from the calibration{said}"
     return Trouble(what, "change the file by hand; nothing was written", "form")
 
 

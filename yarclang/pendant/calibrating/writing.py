@@ -1,5 +1,5 @@
-"""Writing of a calibration's result to a file. The new text is first proposed to the user, then written;
-the old version of the file is saved.
+"""Writing of a calibration's result to a file. The new text is first proposed to the user. When it is
+written, the old version of the file is saved.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ class Writing:
         if file is None:
             known_hash = ""
             obstacle = (
-                f"{place} isn't in the project, and is never changed by the pendant: copy its folder "
+                f"{place} isn't in the project, so the pendant can't change it: copy its folder "
                 f"into the project, "
                 "and start the pendant with --robot and that path"
             )
@@ -96,7 +96,7 @@ class Writing:
             request: file for the result, and the hash of the proposed text that the user has seen.
 
         Raises:
-            Trouble: the file has changed meanwhile, or the result can't be written to it.
+            Trouble: the file has changed since the proposal, or the result can't be written to it.
         """
         calibration = self._result(session, request)
         place, file = await self._place(request)
@@ -105,7 +105,7 @@ class Writing:
         await self._check_free(calibration, request)
         before, hash_now = await asyncio.to_thread(_text, self._files.folder, file)
         if hash_now != request.known:
-            raise Trouble(f"{quoted(file)} has changed meanwhile", "look at the difference again", "changed")
+            raise Trouble(f"{quoted(file)} has changed meanwhile", "review the difference again", "changed")
         made_texts = await asyncio.to_thread(self._made_texts, before, place, calibration, request)
         self._kept.going_on(session, request.version)
         if request.to == "program":
@@ -130,22 +130,24 @@ class Writing:
         if request.to == "program":
             if not request.file.lower().endswith(_SUFFIX):
                 problem = f"{quoted(request.file)} is no program"
-                raise Trouble(problem, f"choose a file whose name ends with {_SUFFIX}", "file")
+                raise Trouble(problem, f"choose a file with the extension {_SUFFIX}", "file")
             return await asyncio.to_thread(folder.path, request.file), request.file
         if request.to == "robot":
-            place = self._robot.folder / "robot.toml"
+            place = self._robot.file
         else:
             cell = (await self._watched.attached.ask(orders.AskStatus())).cell
             if cell is None:
-                problem = "the robot has no cell here: yarc.toml names none"
-                raise Trouble(problem, "write the frame into a program, or name a cell in yarc.toml", "cell")
+                problem = "the robot has no cell: yarc.toml names none"
+                raise Trouble(problem, "write the frame into a program, or enter a cell in yarc.toml", "cell")
             place = Path(cell)
         place = await asyncio.to_thread(place.resolve)
         inside = place.relative_to(folder.root).as_posix() if place.is_relative_to(folder.root) else None
         return place, inside
 
     async def _check_free(self, calibration: Calibration, request: ProposeCalibration) -> None:
-        """Check that no frame of the cell or the session already has the name of a new tool in robot.toml."""
+        """Check that the name of a new tool in robot.toml isn't already that of a frame of the cell or the
+        session.
+        """
         name = calibration.touching.name
         if request.to == "robot" and calibration.kind == "tip" and name not in self._robot.flange_from_frame:
             frames = (await self._watched.attached.ask(orders.AskFrames())).frames

@@ -1,5 +1,5 @@
-"""Rating of measured numbers about the pendant's computer as good, warning or bad. Each rating names its
-thresholds, their reason, and a remedy. No I/O.
+"""Rating of measured numbers of the pendant's computer as good, warning or bad. Each rating contains the
+thresholds, the reason for them, and a remedy. No I/O.
 """
 
 from __future__ import annotations
@@ -15,30 +15,30 @@ Level = Literal["good", "warning", "bad", "unknown", "plain"]
 
 _GIGA, _MEGA = 1e9, 1e6
 FREE_WARNING, FREE_BAD = 2e9, 0.5e9
-"""Free space of a disk below which its rating is a warning, and below which it is bad [bytes]."""
+"""Limits of a disk's free space [bytes]: a warning below the first, bad below the second."""
 DAYS_WARNING, DAYS_BAD = 14.0, 2.0
-"""Time until a disk is full, at the present growth of the run logs, below which the rating is a warning,
-and below which it is bad [days].
+"""Limits of the time until a disk is full, at the present growth of the run logs [days]: a warning below the
+first, bad below the second.
 """
 MEMORY_WARNING, MEMORY_BAD = 0.15, 0.05
-"""Available memory of the computer, as a share of all its memory, below which the rating is a warning, and
-below which it is bad.
+"""Limits of the computer's available memory, as a share of all its memory: a warning below the first, bad
+below the second.
 """
 OWN_WARNING, OWN_BAD = 1.5e9, 3e9
-"""Memory of the pendant's process above which the rating is a warning, and above which it is bad [bytes]."""
+"""Limits of the memory of the pendant's process [bytes]: a warning above the first, bad above the second."""
 LOAD_WARNING, LOAD_BAD = 0.8, 1.5
-"""Load of the computer per processor above which the rating is a warning, and above which it is bad."""
+"""Limits of the computer's load per processor: a warning above the first, bad above the second."""
 LAG_WARNING, LAG_BAD = 0.05, 0.2
-"""Delay of the process's event loop above which the rating is a warning, and above which it is bad [s]."""
+"""Limits of the delay of the process's event loop [s]: a warning above the first, bad above the second."""
 SILENCE_WARNING, SILENCE_BAD = 0.25, 0.6
-"""Time of the controller's slowest reply above which the rating is a warning, and above which it is bad.
-Both are shares of the controller's timeout, the silence after which the controller stops the robot.
+"""Limits of the longest time that the controller took for a reply: a warning above the first, bad above the
+second. Both are shares of the silence after which the controller stops the robot.
 """
 LOGS_WARNING, LOGS_BAD = 10e9, 50e9
-"""Size of all run logs above which the rating is a warning, and above which it is bad [bytes]."""
+"""Limits of the size of all run logs [bytes]: a warning above the first, bad above the second."""
 TRAIL_WARNING, TRAIL_BAD = 0.5e9, 2e9
-"""Size of the database with users, audit trail and alarms above which the rating is a warning, and above
-which it is bad [bytes].
+"""Limits of the size of the database with users, audit trail and alarms [bytes]: a warning above the first,
+bad above the second.
 """
 
 
@@ -85,13 +85,13 @@ def lasting(seconds: float) -> str:
 
 
 def low_of(disks: Iterable[Disk]) -> str:
-    """Return a sentence about the disk with the least free space; empty if every disk has at least
-    `FREE_BAD`.
+    """Return a warning about the disk with the least free space; empty if every disk has at
+    least `FREE_BAD`.
     """
     worst = min(disks, key=lambda one: one.free, default=None)
     if worst is None or worst.free >= FREE_BAD:
         return ""
-    return f"{sized(worst.free)} are free on the disk of {worst.holds}, and {sized(FREE_BAD)} are needed"
+    return f"{sized(worst.free)} are free on the disk of {worst.holds}, but {sized(FREE_BAD)} are needed"
 
 
 def of_disks(disks: Iterable[Disk], growth: float) -> tuple[Judgement, ...]:
@@ -114,9 +114,9 @@ def of_disks(disks: Iterable[Disk], growth: float) -> tuple[Judgement, ...]:
                 "disk", "Disk", f"Disk of {disk.holds}", value, level,
                 f"warning below {sized(FREE_WARNING)} or {DAYS_WARNING:.0f} days, bad below "
                     f"{sized(FREE_BAD)} or {DAYS_BAD:.0f} days",
-                "Without room no run is logged and no audit trail is written, and then nothing that "
-                    "needs it is carried out.",
-                "Delete old run logs (Files, or History > Runs tells which), or give the disk more room.",
+                "Without free space runs can't be logged and the audit trail can't be written, so all "
+                "orders that need them are refused.",
+                "Delete old run logs (see Files, or History > Runs), or enlarge the disk.",
             )
         )  # fmt: skip
     return tuple(judgements) or (Judgement("disk", "Disk", "Disk", "not known", "unknown"),)
@@ -145,15 +145,16 @@ def of_memory(machine: Machine, first: int | None) -> tuple[Judgement, ...]:
         Judgement(
             "own", "Memory", "This process", value, own_level,
             f"warning above {sized(OWN_WARNING)}, bad above {sized(OWN_BAD)}",
-            "A process that grows all the time is ended by the system one day, and the robot then holds.",
-            "Restart the pendant when the robot rests (System > Controller), and report it to its "
-            "maintainer.",
+            "If the process keeps growing, the system will end it, and the robot will hold.",
+            "Restart the pendant while the robot is at rest (System > Controller), and report the "
+            "problem to its maintainer.",
         ),
         Judgement(
             "memory", "Memory", "This computer", free, whole,
             f"warning below {MEMORY_WARNING:.0%}, bad below {MEMORY_BAD:.0%} of all",
-            "Without memory the system swaps or ends processes: replies come late, and the controller holds.",
-            "End what else runs on this computer, or give it more memory.",
+            "Without free memory the system swaps or ends processes, so replies are late and the "
+            "controller holds.",
+            "End other programs on this computer, or add memory.",
         ),
     )  # fmt: skip
 
@@ -172,15 +173,15 @@ def of_speed(machine: Machine, share: float, lag: float) -> tuple[Judgement, ...
         Judgement(
             "load", "Computer", "Processors", f"{value}; this process {share:.0%} of one", load,
             f"warning above {LOAD_WARNING:.0%}, bad above {LOAD_BAD:.0%}",
-            "What waits for a processor comes late: pages, plans, and the lines that a motion needs.",
-            "End what else runs on this computer.",
+            "A high load delays pages, plans, and the lines that a motion needs.",
+            "End other programs on this computer.",
         ),
         Judgement(
             "lag", "Computer", "Event loop, worst of the last minute", f"{lag * 1e3:.0f} ms late",
                 _above(lag, LAG_WARNING, LAG_BAD),
             f"warning above {LAG_WARNING * 1e3:.0f} ms, bad above {LAG_BAD * 1e3:.0f} ms",
-            "A jog stops by itself if this computer is late; a stop that is pressed is carried out as late.",
-            "Look at the load above; a virtual machine may be given too little time.",
+            "If this computer is late, a jog stops by itself, and a pressed stop is delayed by this time.",
+            "Check the load above; a virtual machine may get too little processor time.",
         ),
     )  # fmt: skip
 
@@ -198,8 +199,8 @@ def of_link(health: Health | None, *, connected: bool) -> tuple[Judgement, ...]:
             _above(share, SILENCE_WARNING, SILENCE_BAD),
             f"warning above {SILENCE_WARNING:.0%}, bad above {SILENCE_BAD:.0%} of the "
                 f"{health.silence_s:.2f} s after which the controller holds",
-            "A link that is silent for longer ends a motion with a hold.",
-            "Look at cables and switches; the controller's network must be for it alone.",
+            "If the link is silent for longer, the controller holds the motion.",
+            "Check cables and switches; use a separate network for the controller.",
         ),
     )  # fmt: skip
 
@@ -223,19 +224,19 @@ def of_stored(
             "logs", "Records", "Run logs", f"{logs:,} with {sized(size)}; {sized(growth)} a day",
                 _above(size, LOGS_WARNING, LOGS_BAD),
             f"warning above {sized(LOGS_WARNING)}, bad above {sized(LOGS_BAD)}",
-            "Logs are never deleted by themselves.",
-                "Download what is needed, and delete old ones on the page Files.",
+            "Logs are never deleted automatically.",
+                "Download the needed logs, and delete old ones on the page Files.",
         ),
         Judgement(
             "trail", "Records", "Audit trail and alarms", f"{deeds:,} entries; {sized(database)}",
                 _above(database, TRAIL_WARNING, TRAIL_BAD),
             f"warning above {sized(TRAIL_WARNING)}, bad above {sized(TRAIL_BAD)}",
             "The audit trail is never deleted.",
-                "Keep a copy of the pendant's data folder, and begin a new one with --data.",
+                "Keep a copy of the pendant's data folder, and start a new one with --data.",
         ),
         Judgement("project", "Records", "Project",
             "more files than are counted" if project is None else sized(project), "plain"),
-        Judgement("data", "Records", "The pendant's data, with what was deleted",
+        Judgement("data", "Records", "The pendant's data, including deleted files",
             "more files than are counted" if data is None else sized(data), "plain"),
     )  # fmt: skip
 

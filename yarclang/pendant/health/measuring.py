@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 _MOST_SEEN = 100_000
-"""Most names that are read of a folder."""
+"""Largest number of files of which the total size is computed."""
 _PROC = Path("/proc")
 
 
@@ -76,8 +76,8 @@ def machine(places: Iterable[tuple[str, Path]]) -> Machine:
 
 
 def disks_of(places: Iterable[tuple[str, Path]]) -> tuple[Disk, ...]:
-    """Return the disks that contain the given folders (description, path). One disk with several of them
-    is returned once, with all their descriptions.
+    """Return the disks that contain the given folders (description, path). If a disk contains several of the
+    folders, it is returned once, with all their descriptions.
     """
     by_device: dict[int, list[str]] = {}
     rooms: dict[int, tuple[int, int]] = {}

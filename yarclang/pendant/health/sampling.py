@@ -1,5 +1,5 @@
-"""Regular measurements of the computer, of the pendant's process and of its data. All pages share them,
-and the values of the last hour are stored.
+"""Regular measurements of the computer, of the pendant's process and of its data. All pages show the same
+measurements. The values of the last hour are stored.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ from yarclang.pendant.watched import Watched
 from yarclang.runtime.actions import Trouble
 
 EACH, EACH_UNWATCHED = 1.0, 5.0
-"""Time between two measurements of the computer: while a page is connected, and while none is [s]."""
+"""Time between two measurements of the computer [s]: while a page is connected, and while no page is."""
 _TURN = 0.1
 """Time between two measurements of the event loop's delay [s]."""
 _SLOW_EACH = 60.0
 """Time between two measurements of folder sizes, and between two points of the history [s]."""
 _KEPT = 60
-"""Points of the history: one hour."""
+"""Number of points of the history, one for each minute of an hour."""
 _MINUTE = 60
 
 
@@ -58,7 +58,7 @@ class Stored:
 
 @dataclass(slots=True)
 class Worst:
-    """The largest delay of the event loop [s] in each second of the last minute."""
+    """The largest delay of the event loop [s] in each of the last 60 seconds."""
 
     rows: deque[float] = field(default_factory=lambda: deque([0.0], _MINUTE))
 

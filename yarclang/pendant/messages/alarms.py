@@ -21,23 +21,23 @@ class JointAt(Message):
 
 
 class AlarmShown(Message):
-    """An alarm: the fault, the state of the robot at that time, and its end or acknowledgement. Times are in
-    UTC.
+    """An alarm: the fault, the state of the robot when it occurred, its end, and its acknowledgement. Times
+    are in UTC.
     """
 
     number: int
     time: str
     last: str
-    """Time of its last occurrence."""
+    """Time of the alarm's last occurrence."""
     count: int
-    """Number of occurrences, each at most a minute after the one before."""
+    """Number of occurrences. Each was at most a minute after the previous one."""
     holds: bool
     ended: str | None
-    """Time at which the cause of the alarm went away; null: it still holds."""
+    """Time at which the fault went away; null: it is still present."""
     acknowledged: str | None
-    """Time of its acknowledgement; null: not acknowledged."""
+    """Time at which a user acknowledged the alarm; null: nobody has."""
     by: str
-    """User who has acknowledged it; empty: nobody."""
+    """User who has acknowledged the alarm; empty: nobody."""
     source: str
     """Source of the alarm: `state`, `run`, `message`, `motors`, `guard`, `coordinator`, `audit`, `disk`,
     `alarms`.
@@ -49,7 +49,7 @@ class AlarmShown(Message):
     what: str
     remedy: str
     program: str
-    """Motion or program under way; empty: none."""
+    """Program or motion that was running; empty: none."""
     file: str
     """The program's file in the project; empty: not known."""
     line: int
@@ -59,7 +59,7 @@ class AlarmShown(Message):
     flange: tuple[float, ...] | None
     """Matrix (4, 4) base_from_flange, row by row, lengths in m."""
     owner: str
-    """Owner of the robot; empty: nobody."""
+    """Client that owned the robot; empty: nobody."""
 
 
 class AlarmList(Message):
@@ -67,11 +67,11 @@ class AlarmList(Message):
 
     alarms: tuple[AlarmShown, ...]
     open: int
-    """Number of alarms that hold or aren't acknowledged."""
+    """Number of alarms whose fault is present or that aren't acknowledged."""
     all: int
     """Number of stored alarms."""
     more: bool
-    """True if there are more alarms of this kind than listed here."""
+    """True if there are more alarms like these than are listed here."""
     version: int
     """Number that changes whenever an alarm changes."""
     trouble: str
@@ -79,7 +79,9 @@ class AlarmList(Message):
 
 
 class Acknowledge(Message):
-    """Alarms to acknowledge: those with the given numbers, and all open alarms up to the number `up_to`."""
+    """Request to acknowledge alarms: those with the given numbers, and all open alarms with numbers up to
+    `up_to`.
+    """
 
     numbers: Annotated[
         tuple[int, ...], Field(max_length=MOST_NUMBERS, description=f"at most {MOST_NUMBERS}")

@@ -10,15 +10,15 @@ from yarclang.coordinator.messages.message import Message
 
 
 class FileAndWhy(Message):
-    """A file, and the remark about it."""
+    """A file, and a remark about this file."""
 
     file: str
     why: str
 
 
 class KeptRestore(Message):
-    """Files that a restore has replaced or removed, with the user who restored, the time (UTC), and the
-    number and size [bytes] of the saved files.
+    """Files that a restore has replaced or removed: the user who restored, the time (UTC), and the number and
+    total size [bytes] of the saved files.
     """
 
     number: str
@@ -28,7 +28,7 @@ class KeptRestore(Message):
 
 
 class BackupShown(Message):
-    """Content of a backup that would be made now; sizes in bytes."""
+    """Content of a backup if it were made now; sizes in bytes."""
 
     robot: str
     files: int
@@ -41,7 +41,7 @@ class BackupShown(Message):
     left_out: tuple[FileAndWhy, ...]
     """Files that can't be in any backup; at most the first 100."""
     notes: tuple[str, ...]
-    """Files that this backup leaves out."""
+    """Remarks about the files that this backup leaves out."""
     undo: tuple[KeptRestore, ...]
     """Restores that can be undone, the newest first."""
     waits: bool
@@ -49,8 +49,8 @@ class BackupShown(Message):
 
 
 class PlannedFile(Message):
-    """A file that a restore would change, and its size afterwards [bytes]. `extra`: the backup doesn't
-    contain it. `conflict`: it can't be restored; `why` is the reason.
+    """A file that a restore would change, and its size afterwards [bytes]. `extra`: the file isn't in the
+    backup. `conflict`: the file can't be restored, and `why` is the reason.
     """
 
     file: str
@@ -60,12 +60,14 @@ class PlannedFile(Message):
 
 
 class RestorePlan(Message):
-    """Changes that restoring the uploaded backup would make. It can't be restored if there is a conflict."""
+    """Changes that restoring the uploaded backup would make. If there is a conflict, the backup can't be
+    restored.
+    """
 
     number: str
     """Id of the upload."""
     digest: str
-    """Digest of the plan. It ensures that the plan that is carried out is the one that was shown."""
+    """Digest of the plan. With it, a restore makes only the changes that were shown."""
     size: int
     robot: str
     made: str
@@ -81,11 +83,11 @@ class RestorePlan(Message):
     restart: tuple[str, ...]
     """Files that take effect only after a restart."""
     undoes: bool
-    """True if the upload holds the files that an earlier restore replaced."""
+    """True if the upload contains the files that an earlier restore has replaced."""
 
 
 class ApplyRestore(Message):
-    """Restore the uploaded backup. `remove`: delete files that the backup doesn't contain."""
+    """Restore the uploaded backup. `remove`: also delete the files that were created after the backup."""
 
     number: Annotated[str, Field(max_length=40)]
     digest: Annotated[str, Field(pattern="^[0-9a-f]{64}$")]

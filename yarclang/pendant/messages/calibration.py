@@ -18,7 +18,7 @@ Place = Annotated[int, Field(ge=0, le=1000)]
 
 
 class TipCalibration(Message):
-    """Calibration of a tool's tip, by touching one point with it from several directions; `name` is the frame
+    """Calibration of a tool's tip: the tip touches one point from several directions. `name` is the frame
     that is defined.
     """
 
@@ -27,8 +27,8 @@ class TipCalibration(Message):
 
 
 class FrameCalibration(Message):
-    """Calibration of a frame, by touching its origin, a point on its x axis and points of its xy plane.
-    `tool` is the frame on the flange whose origin touches.
+    """Calibration of a frame: its origin, a point on its x axis and points of its xy plane are touched.
+    `tool` is the frame on the flange whose origin touches them.
     """
 
     kind: Literal["frame"]
@@ -37,8 +37,8 @@ class FrameCalibration(Message):
 
 
 class OffsetCalibration(Message):
-    """Calibration of the motors' offsets, by moving joints to their marks: joint positions at the marks, by
-    the names of the joints [deg or mm].
+    """Calibration of the motors' offsets: joints are moved to marks on the robot. `marks` has the position of
+    each joint at its mark, by the joint's name [deg or mm].
     """
 
     kind: Literal["home"]
@@ -74,9 +74,11 @@ class RemoveTouch(Message):
 
 
 class TouchShown(Message):
-    """A touch: its name, the joint positions [deg or mm], and its residual, that is its distance from the
-    result of all touches [mm; for a joint deg or mm]. `can_go` is true if it can be removed; the first points
-    of a frame can only be removed after all others.
+    """A touch: its name, the joint positions [deg or mm], and its residual.
+
+    The residual is the touch's distance from the result of all touches [mm; for motor offsets deg or mm].
+    `can_go` is true if the touch can be removed. The first touches of a frame can be removed only after all
+    later ones.
     """
 
     label: str
@@ -95,8 +97,8 @@ class SpreadRow(Message):
 
 
 class CalibrationShown(Message):
-    """The calibration of this session, otherwise the newest of another session; `kind` is empty if there is
-    none.
+    """The calibration of this session, or the newest of another session if this one has none. `kind` is empty
+    if there is no calibration.
 
     Attributes:
         mine: True if this session may continue the calibration.
@@ -105,8 +107,8 @@ class CalibrationShown(Message):
         ready: True if there is a result that can be written.
         result: the result, in words.
         unit: unit of the residuals.
-        spread: effect on the result if each touch has an error of `error_mm`. In 5 of 100 cases error and
-            effect are larger.
+        spread: uncertainty of the result if each touch has an error of `error_mm`. The true error is larger
+            in 5 of 100 cases.
         told: True if `error_mm` is estimated from the touches, False if it is assumed.
         advice: what is missing, in words; empty: nothing.
     """
@@ -131,9 +133,10 @@ class CalibrationShown(Message):
 
 
 class ProposeCalibration(Message):
-    """Request for the text of a file with the result: the robot's file, the cell's, or a FRAME line of a
-    program (`file`). `replace`: an existing entry of this name may be replaced. `parent` is the parent of a
-    new frame in a cell.
+    """Request for the text of a file into which the result is put. Nothing is written.
+
+    `to` selects robot.toml, cell.toml, or the program `file`, which gets a FRAME line. `replace`: an existing
+    entry of the same name may be replaced. `parent` is the parent of a new frame in cell.toml.
     """
 
     version: Version
@@ -150,7 +153,7 @@ class CalibrationProposal(Message):
     Attributes:
         what: the change, in words.
         then: what has to be done for the change to take effect.
-        obstacle: reason why the pendant can't write it; empty: it can.
+        obstacle: reason why the pendant can't write the file; empty: it can.
     """
 
     file: str
@@ -180,9 +183,13 @@ class CalibrationWritten(Message):
 
 
 class LookCalibration(Message):
-    """Request for a place from which to check the result: at `distance` [mm] from a touched point, that of
-    touch `at` (null: the origin of the frame; for a tip, the pose of the last touch). A tool is tilted there
-    about its tip, by `tilt` about an axis of the flange [deg].
+    """Request for a motion by which the user can check the result: the tip moves to `distance` [mm] from a
+    touched point.
+
+    For a frame, this is the point of touch `at` (null: of the first touch, the origin). For a tip, all
+    touches have the same point, and `at` selects the orientation of the tool: that of touch `at` (null: of
+    the last touch). From this orientation the tool is turned about its tip, by `tilt` [deg] about the `axis`
+    of the flange.
     """
 
     version: Version
@@ -193,7 +200,7 @@ class LookCalibration(Message):
 
 
 class LookText(Message):
-    """Program text of a motion to that place, and a description of what to look for."""
+    """Program text of the motion that `LookCalibration` requests, and a description of what to look for."""
 
     text: str
     what: str

@@ -15,8 +15,8 @@ class WaitingFile(Message):
 
 
 class ControllerShown(Message):
-    """The controller, and the processes between the controller and the pages. `served` is true if
-    `yarc serve` owns the robot; then only the pendant is restarted.
+    """The controller, and the processes between the controller and the pages. `served` is true if a process
+    of `yarc serve` owns the robot. A restart then restarts only the pendant.
     """
 
     robot: str
@@ -30,6 +30,8 @@ class ControllerShown(Message):
 
 
 class EndProcess(Message):
-    """Request to restart or shut down the process. `stop`: first bring a motion to rest on its path."""
+    """Request to restart or shut down the process. `stop`: if the robot is moving, first bring it to rest on
+    its path.
+    """
 
     stop: bool = False

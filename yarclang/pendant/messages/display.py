@@ -9,7 +9,9 @@ from yarclang.runtime.state import State
 
 
 class AlarmBar(Message):
-    """The most important alarm: the newest that nobody has acknowledged, otherwise the newest that holds."""
+    """The most important alarm: the newest one that nobody has acknowledged. If all are acknowledged, it is
+    the newest one whose fault is still present.
+    """
 
     number: int
     """Number of the alarm; 0: there is none."""
@@ -18,7 +20,7 @@ class AlarmBar(Message):
     text: str
     holds: bool
     open: int
-    """Number of alarms that hold or aren't acknowledged."""
+    """Number of alarms whose fault is present or that aren't acknowledged."""
     version: int
     """Number that changes whenever an alarm changes."""
 
@@ -45,17 +47,17 @@ class Display(Message):
     left_s: float
     override: float
     paused: bool
-    """True if the robot stands between two commands, because commands are executed one by one."""
+    """True if the robot is at rest between two commands of a program that is executed step by step."""
     joints: tuple[float | None, ...]
     """Joint positions, in the order of the robot's joints [deg or mm]."""
     flange: tuple[float, ...] | None
     """Matrix (4, 4) base_from_flange, row by row, lengths in m."""
     links: tuple[float, ...]
-    """For each joint, the displacement of its bodies relative to their poses at zero joint positions: x y z
-    [m] and the quaternion x y z w. Empty: not known.
+    """Displacement of each joint's bodies from their poses at zero joint positions: x y z [m] and the
+    quaternion x y z w. Empty: not known.
     """
     scene: str
-    """Version of the present /api/scene; empty: nobody has requested a scene yet."""
+    """Version of the present scene (/api/scene); empty: nobody has requested a scene yet."""
     touching: tuple[str, ...]
     """Bodies that are closer to another body than their margin allows."""
     stopped_by: tuple[str, ...]
@@ -67,20 +69,23 @@ class Display(Message):
     """True if the guard PLC was tested and works."""
     alarm: AlarmBar
     audit: str
-    """Reason why the audit trail can't be written; only a stop can be ordered then. Empty: it can be written.
+    """Reason why the audit trail can't be written. In this case only a stop can be ordered. Empty: it can be
+    written.
     """
 
 
 class Beat(Message):
-    """A heartbeat of a page's connection for jogs. A request moves the robot only if it names one of the last
-    few heartbeats.
+    """A heartbeat on a page's connection for jogs. The page sends the last heartbeat back in each message; an
+    old one doesn't move the robot.
     """
 
     beat: int
 
 
 class Notice(Message):
-    """A message that a page shows to the user. `ask` is the session that asks for control of the robot."""
+    """A message that a page shows to the user. `ask` is the id of a session that asks for control of the
+    robot.
+    """
 
     event: Literal["notice"] = "notice"
     text: str

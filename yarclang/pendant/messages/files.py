@@ -11,7 +11,7 @@ from yarclang.coordinator.messages.replies import Denied
 from yarclang.pendant.project.names import MOST_PATH
 
 FilePath = Annotated[str, Field(max_length=MOST_PATH)]
-"""Path from the project's folder, with slashes."""
+"""Path relative to the project's folder, with slashes."""
 
 Sha256 = Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
 """Hash of a file's content, in hexadecimal digits."""
@@ -37,7 +37,7 @@ class FileList(Message):
 
 
 class FileText(Message):
-    """A text of the project as it is on the disk. Saving it again requires its `sha256`."""
+    """A text of the project as it is on the disk. `sha256` is needed to save it again."""
 
     file: str
     text: str
@@ -46,8 +46,8 @@ class FileText(Message):
 
 
 class SaveFile(Message):
-    """A text to save. `known` is the hash of the version that was edited; null: the file must not exist
-    yet.
+    """Request to save a text. `known` is the hash of the version that was edited; null: the file must not
+    exist yet.
     """
 
     text: str
@@ -72,7 +72,7 @@ class OtherContent(Denied):
 
 
 class TwoPaths(Message):
-    """A file, and the path of its copy or its new path. That path must be unused."""
+    """Request to copy or move a file. The new path must be unused."""
 
     file: FilePath
     to: FilePath
@@ -130,8 +130,8 @@ class ChangeShown(Message):
 
 
 class GitState(Message):
-    """Changes since the last commit. If git isn't installed or the folder is in no work tree, `there` is
-    false and `what` is the reason.
+    """Changes since the last commit. `there` is false if git isn't installed or the folder is in no work
+    tree; then `what` is the reason.
     """
 
     there: bool
@@ -142,8 +142,8 @@ class GitState(Message):
 
 
 class Difference(Message):
-    """A text as of the last commit (`base`), and its present version. Each is empty if the file doesn't
-    exist.
+    """A text in the last commit (`base`), and its present version. Each is empty if the file doesn't exist in
+    that version.
     """
 
     file: str

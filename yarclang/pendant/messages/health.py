@@ -21,7 +21,7 @@ class Watched(Message):
     """The reason for monitoring the number."""
     remedy: str
     history: tuple[float, ...]
-    """One value for each minute of the last hour, oldest first [bytes, s or a share]."""
+    """Values of the last hour, one per minute, oldest first [bytes, s or a share]."""
 
 
 class VersionShown(Message):
@@ -35,7 +35,7 @@ class SystemHealth(Message):
     """State of the pendant's computer, its process and its data."""
 
     level: Literal["good", "warning", "bad", "unknown", "plain"]
-    """The worst level of all numbers."""
+    """The worst level of the monitored numbers (`watched`)."""
     watched: tuple[Watched, ...]
     uptime_s: float
     sessions: int

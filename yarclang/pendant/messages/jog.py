@@ -11,8 +11,8 @@ from yarclang.pendant.messages.people import Name
 
 
 class Step(Message):
-    """A step of a fixed length: the name of a joint, or one of x, y, z, a, b, c of `axes`, and the length [mm
-    or deg].
+    """A step. `axis` is a joint, or an axis of the frame `Press.axes`: x, y or z for a translation; a, b or c
+    for a rotation about x, y or z. `by` is the length of the step [mm or deg].
     """
 
     axis: Name
@@ -34,8 +34,8 @@ class Press(Message):
     """Velocity along x, y, z [mm/s] and about x, y, z [deg/s], in the axes of `axes`."""
     step: Step | None = None
     go: Annotated[int, Field(ge=1, le=1 << 53)] | None = None
-    """Number of an offer of this session. The offer is carried out while the button is pressed; after a
-    release the robot rests on its path.
+    """Number of an offer of this session. The offer is carried out while the button is pressed. After a
+    release, the robot rests on its path.
     """
     home: (
         Annotated[tuple[Annotated[int, Field(ge=1, le=32)], ...], Field(min_length=1, max_length=32)] | None
@@ -47,20 +47,22 @@ class Press(Message):
     """The frame whose axes are used: a stationary one, or the moving frame itself."""
     moving: Name = "{TCP}"
     share: Annotated[float, Field(gt=0.0, le=1.0)] = 1.0
-    """Share of the robot's jog speed, and of the joints' velocity limits."""
+    """Share of the robot's jog speed and of the joints' velocity limits that the jog may use."""
 
 
 class LetGo(Message):
-    """Release of the button: the robot comes to rest on its path at once."""
+    """Release of the button. The robot comes to rest on its path at once."""
 
     release: Annotated[int, Field(ge=1)]
     end: bool = False
-    """True: also end an offer that rests on its path, because its page is left."""
+    """True: an offer that rests on its path ends as well, because the user leaves the page."""
 
 
 class Jogging(Message):
-    """State of a press: `moves` (`why` is the obstacle on the way to its target, if any), `reached`, or
-    `ended` with the reason in `why`.
+    """State of a press.
+
+    `moves`: the robot moves, and if an obstacle limits the motion, `why` names it. `reached`: the step is
+    complete. `ended`: the press has ended, and `why` is the reason.
     """
 
     press: int
@@ -68,5 +70,5 @@ class Jogging(Message):
     why: str
     help: str = ""
     code: str = ""
-    """`pin`: the PIN must be entered first."""
+    """`pin` if the PIN must be entered first; otherwise empty."""
     lag_s: float = 0.0

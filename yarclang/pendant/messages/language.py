@@ -6,8 +6,8 @@ from yarclang.coordinator.messages.message import Message
 
 
 class Language(Message):
-    """The words of the language by kind, in upper case (units as they are written). If a word is the
-    beginning of another one, the longer one comes first.
+    """The words of the language by kind, in upper case, except for units, which are written as usual. If a
+    word is the beginning of another word, the longer word comes first.
     """
 
     blocks: tuple[str, ...]

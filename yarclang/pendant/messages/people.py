@@ -55,7 +55,7 @@ class NewUser(Message):
 
 
 class ChangeUser(Message):
-    """Changes of a user; a new role or password ends the user's sessions."""
+    """Changes to a user. A new role or password ends the user's sessions."""
 
     role: RoleName | None = None
     password: Secret | None = None
@@ -63,9 +63,9 @@ class ChangeUser(Message):
 
 
 class Me(Message):
-    """The user who is logged in. `session` is the id of this session; `pin_s` is the time for which service
-    work is still allowed without a PIN [s]; `client` is the session's name at the coordinator, empty if it
-    hasn't given an order yet.
+    """The user who is logged in. `session` is the id of this session. `pin_s` is the time for which service
+    work is allowed before the PIN must be entered again [s]. `client` is the session's name at the
+    coordinator, empty if the session hasn't given an order yet.
     """
 
     user: str
@@ -76,8 +76,8 @@ class Me(Message):
 
 
 class NotLoggedIn(Message):
-    """Reply if nobody is logged in. `first` is true if there is no user yet; then the link that
-    `yarc pendant` has printed creates the first one.
+    """Reply if nobody is logged in. `first` is true if there is no user yet: the first one is created by the
+    link that `yarc pendant` has printed.
     """
 
     ok: Literal[False] = False

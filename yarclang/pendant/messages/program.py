@@ -1,5 +1,5 @@
-"""Messages about a program that is edited: its commands as a list, forms, changes and their edits,
-templates.
+"""Messages about a program that is being edited: its commands as a list, forms, changes with the resulting
+edits, and templates.
 """
 
 from __future__ import annotations
@@ -20,9 +20,11 @@ FieldTexts = Annotated[dict[Name, FieldText], Limited(max_length=500)]
 
 
 class ListProgram(Message):
-    """Request for the list of a program's commands. `text` is the present text, saved or not; `file` is its
-    path in the project. `lines` are the first and the last line for which fields are requested; null: all
-    lines of a text of up to 1,000 lines, none of a longer text.
+    """Request for the list of a program's commands.
+
+    `text` is the present text, saved or not. `file` is its path in the project. `lines` are the first and the
+    last line for which fields are wanted. If `lines` is null, the reply has the fields of all lines, or no
+    fields if the text has more than 1,000 lines.
     """
 
     file: FileName
@@ -31,8 +33,8 @@ class ListProgram(Message):
 
 
 class CommandField(Message):
-    """A field of a command: its value as written (empty if it is left out), its unit, and its possible
-    values.
+    """A field of a command: its value as written (empty if the command doesn't have it), its unit, and its
+    possible values.
     """
 
     name: str
@@ -44,8 +46,8 @@ class CommandField(Message):
 
 
 class ListedCommand(Message):
-    """A command, a declaration, or another line. `name` is `!` for a comment and `?` for a line that can't be
-    parsed.
+    """An entry of the list of commands: a command, a declaration, or any other line. `name` is `!` for a
+    comment and `?` for a line that can't be parsed.
     """
 
     line: int
@@ -58,7 +60,7 @@ class ListedCommand(Message):
     detail: str
     target: Literal["joints", "pose"] | None
     taught: bool
-    """True if its position can be replaced by the robot's present one."""
+    """True if the entry's position can be replaced by the robot's present one."""
     fields: tuple[CommandField, ...]
 
 
@@ -69,8 +71,8 @@ class ProgramListing(Message):
 
 
 class TeachMotion(Message):
-    """A motion to insert: to the robot's present position or to `joints` (in the order of the robot's joints,
-    deg or mm), after a line (0: at the beginning).
+    """Request to insert a motion after a line (0: at the beginning). Its goal is the robot's present
+    position, or `joints` (in the order of the robot's joints, deg or mm).
     """
 
     kind: Literal["teach"]
@@ -79,18 +81,20 @@ class TeachMotion(Message):
     target: Literal["joints", "pose"] = "pose"
     joints: Values | None = None
     via: Values | None = None
-    """Joint positions at the intermediate point of a MOVEC [deg or mm]."""
+    """For MOVEC: joint positions at the intermediate point [deg or mm]."""
     name: Name = ""
     """Name under which the goal is declared; empty: the goal is written in the command itself."""
     axes: Literal["base", "tool"] = "base"
-    """For DMOVE: axes of the base frame, or of the tool."""
+    """For DMOVE: the frame whose axes are used, the base frame or the tool."""
     time: Annotated[str, Limited(max_length=40)] = ""
-    """Content of the square brackets; empty: that of DEFAULT, otherwise 50%."""
+    """Text in the command's square brackets. Empty: the time of DEFAULT applies, or 50% if DEFAULT gives
+    none.
+    """
 
 
 class TouchUp(Message):
     """Request to write the robot's present position, or `joints`, into a motion or declaration. `point` is
-    the number of the way-point; 0: the last.
+    the number of the waypoint; 0: the last.
     """
 
     kind: Literal["touch-up"]
@@ -100,7 +104,7 @@ class TouchUp(Message):
 
 
 class InsertCommand(Message):
-    """A new command after a line (0: at the beginning), from a form."""
+    """Request to insert a new command from a form after a line (0: at the beginning)."""
 
     kind: Literal["insert"]
     after: Line
@@ -109,7 +113,7 @@ class InsertCommand(Message):
 
 
 class ChangeFields(Message):
-    """New values of fields. An empty value removes the field from the command."""
+    """Request to change fields of a command. An empty value removes the field from the command."""
 
     kind: Literal["change"]
     line: Line
@@ -117,15 +121,17 @@ class ChangeFields(Message):
 
 
 class DeleteLines(Message):
-    """First and last line to delete. Statements of several lines and blocks are deleted as a whole."""
+    """Request to delete lines, from a first to a last one. Blocks, and statements of several lines, are
+    deleted as a whole.
+    """
 
     kind: Literal["delete"]
     lines: tuple[Line, Line]
 
 
 class MoveLines(Message):
-    """A statement or block to move to before another line. To move it to the end, give the number of lines
-    plus one.
+    """Request to move the statement or block in `line` in front of the line `before`. The number of lines
+    plus one as `before` moves it to the end.
     """
 
     kind: Literal["move"]
@@ -170,8 +176,10 @@ class EditProgram(Message):
 
 
 class TextEdit(Message):
-    """An edit: a range of the old text, and the text that replaces it. Lines and columns count from 1, in the
-    text that was sent; columns count UTF-16 code units, as browsers do; the end is exclusive.
+    """An edit: a range of the old text, and the text that replaces it.
+
+    Lines and columns count from 1, in the text that was sent. Columns count UTF-16 code units, as browsers
+    do. The end of the range isn't part of it.
     """
 
     line: int
@@ -182,7 +190,9 @@ class TextEdit(Message):
 
 
 class EditedProgram(Message):
-    """Edits in order, which never overlap; the new place of the cursor; and a description."""
+    """Result of a change: the edits in the order of the text, the line of the cursor after the change, and a
+    description of the change. The edits never overlap.
+    """
 
     edits: tuple[TextEdit, ...]
     line: int
@@ -190,7 +200,7 @@ class EditedProgram(Message):
 
 
 class CommandForm(Message):
-    """Form for a new command; for a comment its name is `!`."""
+    """Form for a new command. For a comment, its name is `!`."""
 
     command: str
     label: str
@@ -205,7 +215,7 @@ class CommandForms(Message):
 
 
 class ProgramTemplate(Message):
-    """A program to begin with."""
+    """A template: a complete program with which a user can begin."""
 
     name: str
     title: str
@@ -214,7 +224,7 @@ class ProgramTemplate(Message):
 
 
 class ProgramTemplates(Message):
-    """Programs to begin with."""
+    """The templates for new programs."""
 
     templates: tuple[ProgramTemplate, ...]
 
@@ -228,7 +238,7 @@ class NewProgram(Message):
 
 
 class NewText(Message):
-    """Text of a new program, proved for this robot but not saved yet."""
+    """Text of a new program, which was proved for this robot but isn't saved yet."""
 
     file: str
     text: str

@@ -7,8 +7,8 @@ from yarclang.pendant.messages.people import Name
 
 
 class GiveControl(Message):
-    """Id of the session that gets control of the robot (empty: release it). `refuse`: deny the request of
-    that session.
+    """Order to give control of the robot to the session `to` (empty: release the robot). With `refuse`, the
+    session `to` gets a refusal of its request for control instead.
     """
 
     to: Name = ""
@@ -16,8 +16,8 @@ class GiveControl(Message):
 
 
 class Asked(Message):
-    """Reply to a request for control. `given` is true if control was given at once; `owner` has control now;
-    `what` tells in words what comes next.
+    """Reply to a request for control. `given` is true if control was given at once. `owner` has control now.
+    `what` says what happens next.
     """
 
     given: bool
@@ -38,8 +38,8 @@ class JointShown(Message):
 
 
 class FrameShown(Message):
-    """A frame and its pose, a matrix (4, 4) with lengths in m: in {B}, or in the flange's frame for a frame
-    on the flange.
+    """A frame and its pose, a matrix (4, 4) with lengths in m. The pose is relative to {B}, or to the flange
+    for a frame on the flange.
     """
 
     name: str
@@ -47,7 +47,9 @@ class FrameShown(Message):
 
 
 class RobotShown(Message):
-    """The robot: the data with which a page draws bars and lets the user choose frames."""
+    """The robot, described so that a page can draw a bar for each joint and offer the frames
+    for selection.
+    """
 
     name: str
     title: str

@@ -7,7 +7,7 @@ from typing import Literal
 from yarclang.coordinator.messages.message import Message
 
 Place = Literal["project", "logs"]
-"""Folder of a log: the project's folder, or the folder in which this robot's motions are logged."""
+"""Folder that contains a log: the project's folder, or the folder into which this robot's runs are logged."""
 
 
 class RunListed(Message):
@@ -19,8 +19,8 @@ class RunListed(Message):
     size: int
     changed: str
     state: Literal["whole", "under way", "cut off", "unreadable"]
-    """`under way`: the log is being written; `cut off`: its end is missing; `unreadable`: it is no log of a
-    run, or has another format.
+    """`under way`: the log is still being written. `cut off`: the end of the log is missing. `unreadable`:
+    the file isn't a log of a run, or has an unknown format.
     """
     program: str
     robot: str
@@ -30,14 +30,14 @@ class RunListed(Message):
     started: str
     duration_s: float | None
     well: bool | None
-    """True if the run came to its end; null: the log doesn't contain it."""
+    """True if the run was completed; null: the log doesn't contain this."""
     what: str
     """Reason for a failure."""
     code: str
 
 
 class RunList(Message):
-    """Logs, the one that changed last first. `cut` is true if there are more."""
+    """Logs of runs; the log that was changed last comes first. `cut` is true if there are more."""
 
     runs: tuple[RunListed, ...]
     cut: bool
@@ -46,7 +46,7 @@ class RunList(Message):
 
 
 class RunJoint(Message):
-    """A joint as it was during the run. Limits are in its unit; null if there is none."""
+    """A joint as it was described during the run. Limits are in the joint's unit; null if there is none."""
 
     name: str
     unit: str
@@ -55,7 +55,7 @@ class RunJoint(Message):
 
 
 class RunLines(Message):
-    """Lines over the time of the log. `values` has one row per joint or motor, with one value per time."""
+    """Plotted lines of a log. `values` has one row for each joint or motor, with one value for each time."""
 
     title: str
     unit: str
@@ -64,7 +64,9 @@ class RunLines(Message):
     names: tuple[str, ...]
     values: tuple[tuple[float, ...], ...]
     breaks: tuple[int, ...]
-    """Indices in `times` at which another pass begins: no line is drawn to them from the time before."""
+    """Indices in `times` at which a new pass of a repeated program begins. There, the plotted line is
+    interrupted.
+    """
 
 
 class RunSpan(Message):
@@ -84,7 +86,9 @@ class RunEvent(Message):
 
 
 class RunStretch(Message):
-    """A value of a signal, with its begin and end [s since the log was opened]."""
+    """A time interval in which a signal keeps its value: the value, the begin and the end [s since the log
+    was opened].
+    """
 
     from_s: float
     to_s: float
@@ -93,7 +97,7 @@ class RunStretch(Message):
 
 class RunWait(Message):
     """A wait for an input, with its begin and end [s since the log was opened]. `met` is true if the input
-    came.
+    got the wanted value.
     """
 
     from_s: float
@@ -118,8 +122,8 @@ class RunWay(Message):
 
 
 class RunShown(Message):
-    """Content of a log. Lines are thinned to the smallest and the largest value of each of a thousand
-    intervals.
+    """Content of a log. Its time is divided into a thousand intervals. Of each plotted line, only the
+    smallest and the largest value in each interval are contained.
     """
 
     program: str
@@ -134,7 +138,7 @@ class RunShown(Message):
     code: str
     remedy: str
     notes: tuple[str, ...]
-    """Unreliable or missing parts of the log, with reasons."""
+    """Remarks about parts of the log that are unreliable or missing, with the reasons."""
     joints: tuple[RunJoint, ...]
     lines: tuple[RunLines, ...]
     planned: RunLines | None

@@ -9,54 +9,54 @@ from pydantic import Field
 from yarclang.coordinator.messages.message import Message, Number
 
 MOST_ROWS = 5000
-"""Most joint positions in one request for placements."""
+"""Largest number of joint positions in one request for placements."""
 MOST_JOINTS = 32
 
 Colour = tuple[int, int, int]
 
 
 class SceneItem(Message):
-    """A body, or the border of a zone. All items of one name are one body in the collision check."""
+    """A body, or the border of a zone. All items with the same name are one body in the collision check."""
 
     name: str
     kind: Literal["robot", "tool", "obstacle", "zone", "part", "shape"]
     """`shape`: a collision shape of a link or a tool for which there is also a visual shape."""
     joint: int
-    """Number of joints, counted from the base, that move the body."""
+    """Number of joints between the base and the body: the first `joint` joints move it."""
     pose: tuple[float, ...]
     """Matrix (3, 4) base_from_item with all joints at zero, row by row, lengths in m."""
     colour: Colour
-    """Red, green, blue, from 0 to 255."""
+    """Red, green and blue, each from 0 to 255."""
     opacity: float
     mesh: str
     """Id of the mesh, for /api/scene/mesh/{id}."""
     named: bool
-    """True if the name is written beside the item."""
+    """True if pages write the name beside the item."""
     begins_s: float | None = None
     ends_s: float | None = None
-    """The item exists from `begins_s` until just before `ends_s` of the program's time [s]; null: from the
-    beginning, or to the end.
+    """Time at which the item disappears. The item exists from `begins_s` until just before `ends_s`, both in
+    the program's time [s]. Null: from the program's beginning, or to its end.
     """
 
 
 class SceneAxes(Message):
-    """A frame that is drawn."""
+    """A frame whose axes are drawn."""
 
     name: str
     joint: int
-    """Number of joints, counted from the base, that move the frame."""
+    """Number of joints between the base and the frame: the first `joint` joints move it."""
     pose: tuple[float, ...]
     """Matrix (3, 4) base_from_frame with all joints at zero, row by row, lengths in m."""
     program: bool
     """True for a frame that only the program declares."""
     matters: bool
-    """True for {B}, the followed frame and the frames that the program uses; without a program, for all
-    frames.
+    """True for the important frames: {B}, the followed frame and the frames that the program uses. Without a
+    program, all frames are important.
     """
 
 
 class SceneShown(Message):
-    """The visible scene. Bodies move with the placements of the joints (`Display.links`)."""
+    """The visible scene. Pages move its bodies by the displacements of the joints (`Display.links`)."""
 
     version: str
     """Value that changes when any other field changes."""
@@ -67,12 +67,12 @@ class SceneShown(Message):
     items: tuple[SceneItem, ...]
     axes: tuple[SceneAxes, ...]
     tool: str
-    """The frame whose path is drawn; empty: the flange's."""
+    """The frame whose path is drawn; empty: the path of the flange is drawn."""
     tool_pose: tuple[float, ...]
     """Matrix (3, 4) base_from_tool with all joints at zero, row by row, lengths in m."""
     tool_axis: tuple[float, ...]
-    """Direction of the last joint's axis with all joints at zero, pointing away from the robot: the direction
-    in which a camera on the tool looks.
+    """Direction of the last joint's axis with all joints at zero, pointing away from the robot. A camera on
+    the tool looks in this direction.
     """
     low: tuple[float, ...]
     high: tuple[float, ...]
@@ -91,7 +91,7 @@ class SceneShown(Message):
 
 
 class Placements(Message):
-    """Request for the placements of the links at given joint positions [deg or mm], in the order of the
+    """Request for the displacements of the links at given joint positions [deg or mm], in the order of the
     robot's joints.
     """
 

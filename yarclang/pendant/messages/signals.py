@@ -15,15 +15,15 @@ class SignalShown(Message):
     """The controller's variable."""
     kind: Literal["input", "output"]
     declared: bool
-    """True if the cell's file declares the signal; otherwise the session or the program does."""
+    """True if the cell's file declares the signal; false if the session or the program does."""
     comment: str
     """Comment of the signal in the cell's file, beside it or above it."""
     safe: float | None
     """Value that the output gets at every stop, hold and fault; null: it stays unchanged."""
     grips_at: float | None
-    """Value at which the output closes a gripper; null: it is no gripper."""
+    """Value at which the output closes a gripper; null: the output switches no gripper."""
     removes_at: float | None
-    """Value of the output at which a machine takes parts away; null: it is no such machine."""
+    """Value of the output at which a machine takes parts away; null: the output switches no such machine."""
     sensor: bool
     """True if a sensor of the cell drives the input."""
 
@@ -35,10 +35,10 @@ class SignalsShown(Message):
     cell: str | None
     """Path of the cell's file."""
     fixed: str
-    """Reason why inputs can't be set by hand; empty: they can."""
+    """Reason why a user can't set inputs; empty: a user can."""
     trouble: str
-    """Reason why the cell's file can't be read; its content is missing from the list then. Empty: it can
-    be read.
+    """Reason why the cell's file can't be read. In this case its signals are missing here. Empty: the file
+    can be read.
     """
     signals: tuple[SignalShown, ...]
 
@@ -57,20 +57,20 @@ class Waiting(Message):
 
 
 class HeldParts(Message):
-    """The part that an output's gripper holds."""
+    """The parts that the gripper of an output holds."""
 
     output: str
     parts: tuple[str, ...]
 
 
 class SignalValues(Message):
-    """The values of all signals, in the order of the list that has the same version; null: not known at
-    present.
+    """The values of all signals; null: not known at present. Their order is that of the `SignalsShown` with
+    the same `version`.
     """
 
     version: str
     values: tuple[float | None, ...]
     heard: tuple[int, ...]
-    """Indices of values that a run reported and that may have changed since."""
+    """Indices of values that were reported by a run and may have changed since."""
     waiting: Waiting | None
     held: tuple[HeldParts, ...]

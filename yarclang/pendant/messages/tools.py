@@ -1,5 +1,5 @@
-"""Messages about frames and their origin, tools and their masses, and the effect of a payload on joint
-torques.
+"""Messages about frames and the places of their declarations, about tools and their masses, and about the
+effect of a payload on joint torques.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ Moment = Annotated[float, Field(ge=-1e6, le=1e6, allow_inf_nan=False)]
 
 
 class FrameKnown(Message):
-    """A frame in braces, its pose, a matrix (4, 4) in {B} or, with `on_flange`, in {FLANGE} with lengths in
-    m, and the place of its declaration.
+    """A frame: its name in braces, its pose, and the place of its declaration. The pose is a matrix (4, 4)
+    with lengths in m. It is relative to {FLANGE} if `on_flange` is true, otherwise to {B}.
     """
 
     name: str
@@ -39,8 +39,9 @@ class FrameKnown(Message):
 
 
 class ToolKnown(Message):
-    """A tool of robot.toml: its mass [kg], center of mass [mm] and inertia [kg m^2] (xx, yy, zz, xy, xz, yz
-    about the center of mass), in the axes of `frame`; null if not given.
+    """A tool of robot.toml: its mass [kg], its center of mass in `frame` [mm], and its inertia about the
+    center of mass in the axes of `frame` [kg m^2] (xx, yy, zz, xy, xz, yz). Each value is null if robot.toml
+    doesn't contain it.
     """
 
     name: str
@@ -64,20 +65,20 @@ class ToolsShown(Message):
     why_not: str
     """Reason why robot.toml can't be changed here, and the remedy; empty: it can."""
     restart: bool
-    """True if robot.toml differs from the running description, so that it takes effect only after a restart
-    of the pendant.
+    """True if robot.toml differs from the description that the pendant uses. The file takes effect after a
+    restart.
     """
     without_mass: tuple[str, ...]
-    """Joints that move only bodies without a mass in the URDF."""
+    """Joints for which no moved body has a mass in the URDF."""
     without_effort: tuple[str, ...]
     """Joints without a largest torque in robot.toml and in the URDF."""
     checked: bool
-    """True if programs are checked for torques."""
+    """True if the torques of programs are checked."""
 
 
 class Payload(Message):
-    """Mass properties of a tool. `frame` is needed for a tool that isn't in robot.toml yet. `inertia` null:
-    all of the mass is assumed to be at its center. `program` is the number of a loaded program whose torques
+    """Mass properties of a tool. `frame` is needed only if the tool isn't in robot.toml yet. `inertia` null:
+    the whole mass is assumed to be at its center. `program` is the number of a loaded program; its torques
     are computed as well.
     """
 

@@ -1,5 +1,5 @@
-"""Messages about the workspace: zones, obstacles and joint limits; drafts of changes and the programs that
-they break; and distances.
+"""Messages about the workspace: its zones, obstacles and joint limits; drafts of changes, and the programs
+that have errors with a draft; and distances between bodies.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from yarclang.coordinator.messages.message import Message, Number
 from yarclang.pendant.messages.files import FilePath, FileWritten, Sha256
 
 MOST_CHANGES = 200
-"""Most zones, obstacles and joints that one draft changes."""
+"""Largest number of zones, obstacles and joints that one draft changes."""
 
 Word = Annotated[str, Field(max_length=100)]
 Triple = Annotated[tuple[Number, ...], Field(max_length=3)]
@@ -22,8 +22,8 @@ Table = Literal["obstacles", "zones"]
 
 
 class EntryValues(Message):
-    """The keys of a zone or an obstacle as written in cell.toml, in the units of the file; null: the key
-    is missing.
+    """The keys of a zone or an obstacle as written in cell.toml, in the units of the file. Null: the key is
+    missing.
     """
 
     name: Word | None = None
@@ -64,8 +64,8 @@ class LimitChange(Message):
 
 
 class WorkspaceDraft(Message):
-    """Changes that are made together. `known` and `robot_known` are the hashes of the file versions that were
-    edited; null: that file isn't changed.
+    """Changes that are made together. `known` and `robot_known` are the hashes of the versions of cell.toml
+    and robot.toml that were edited; null: this file isn't changed.
     """
 
     known: Sha256 | None = None
@@ -75,8 +75,8 @@ class WorkspaceDraft(Message):
 
 
 class WorkspaceFrame(Message):
-    """A frame in which bodies can be placed, a matrix (3, 4) row by row with lengths in m: base_from_frame,
-    or flange_from_frame for a frame on the flange.
+    """A frame in which bodies can be placed, as a matrix (3, 4), row by row, with lengths in m. It is
+    flange_from_frame for a frame on the flange, otherwise base_from_frame.
     """
 
     name: str
@@ -138,7 +138,7 @@ class WorkspaceShown(Message):
     robot_known: str
     joints: tuple[JointLimits, ...]
     robot_waits: bool
-    """True if robot.toml differs from the running description, so that it takes effect only after a
+    """True if robot.toml differs from the description that the pendant uses. The file takes effect after a
     restart.
     """
 
@@ -175,8 +175,8 @@ class MakeCell(Message):
 
 
 class JudgedProgram(Message):
-    """Result for a program of the project: `held` is true if it compiles with the present files, `holds` if
-    it compiles with the draft (null: not known). The other fields describe the first error with the draft.
+    """Result for a program of the project. `held` is true if it compiles without the draft, `holds` if it
+    compiles with the draft (null: not known). The other fields describe the first error with the draft.
     """
 
     file: str
@@ -188,8 +188,8 @@ class JudgedProgram(Message):
 
 
 class CheckShown(Message):
-    """A check of all programs with a draft; programs that the draft breaks come first. `standing` lists
-    errors at the robot's present position.
+    """A check of all programs with a draft. Programs that have errors only with the draft come first.
+    `standing` lists the errors that the draft causes at the robot's present position.
     """
 
     state: Literal["none", "running", "done", "cancelled", "failed"]
@@ -201,7 +201,9 @@ class CheckShown(Message):
     """Program that is being checked."""
     broken: int
     unjudged: int
-    """Programs that the check doesn't rate: they had errors before, or couldn't be checked in time."""
+    """Number of programs without a result: they have errors even without the draft, or couldn't be checked in
+    time.
+    """
     programs: tuple[JudgedProgram, ...]
     standing: tuple[str, ...]
     what: str
@@ -210,16 +212,17 @@ class CheckShown(Message):
 
 
 class AskDistances(Message):
-    """Request for the pairs of bodies that are nearest to each other now; with `draft`, with the draft's
-    bodies instead of the file's.
+    """Request for the pairs of bodies that are nearest to each other now. With `draft`, the bodies of the
+    draft are used instead of those in the file.
     """
 
     draft: WorkspaceDraft | None = None
 
 
 class DistanceShown(Message):
-    """A pair of bodies, or a watched body and its zone: the distance [mm] (negative if they overlap, or if
-    the body is beyond the border), the margin [mm], and the nearest points [m], if known.
+    """A pair of bodies, or a watched body and its zone. `distance` [mm] is negative if they overlap, or if
+    the body is beyond the border. `margin` is the required distance [mm], and `points` are the nearest points
+    [m], if known.
     """
 
     first: str

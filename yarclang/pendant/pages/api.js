@@ -1,4 +1,4 @@
-// The only way from the pages to the robot: the API of this server (/api/docs).
+// Requests to the API of this server (/api/docs). The pages reach the robot only through this module.
 
 export class Refused extends Error {
   constructor(status, told) {
@@ -9,13 +9,17 @@ export class Refused extends Error {
   }
 }
 
-export async function call(method, path, body) {
+// The last heartbeat of the server. Orders name it, so that the server doesn't carry them out if they were delayed on
+// their way.
+let beat = 0;
+
+export async function call(method, path, body, headers = {}) {
   let answer;
   try {
     answer = await fetch(path, {
       method,
       credentials: "same-origin",
-      headers: body === undefined ? {} : { "content-type": "application/json" },
+      headers: body === undefined ? headers : { "content-type": "application/json", ...headers },
       body: body === undefined ? undefined : JSON.stringify(body),
     });
   } catch {
@@ -33,9 +37,10 @@ export async function call(method, path, body) {
 export const get = (path) => call("GET", path);
 export const post = (path, body = {}) => call("POST", path, body);
 export const remove = (path) => call("DELETE", path);
-export const order = (word, fields = {}) => post(`/api/orders/${word}`, fields);
+export const order = (word, fields = {}) => call("POST", `/api/orders/${word}`, fields, beat ? { "x-yarc-beat": String(beat) } : {});
 
-// Silence after which the connection counts as lost [ms]: the server says something twice a second.
+// Longest silence of the server, after which the connection counts as lost [ms]. The server sends a message twice a
+// second.
 const SILENCE = 1300;
 const AGAIN = 700;
 
@@ -43,7 +48,8 @@ export function address(path) {
   return `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}${path}`;
 }
 
-// The socket of what the robot does. Tells each message by its name, and `lost`, `found`, and `back` when it was lost before.
+// The WebSocket with the robot's state. Dispatches an event for each message, named after the message's kind; `lost`
+// and `found` when the connection is lost and restored; and `back` on a restored connection.
 export class Robot extends EventTarget {
   constructor() {
     super();
@@ -67,6 +73,7 @@ export class Robot extends EventTarget {
         if (this.wasLost) this.dispatchEvent(new Event("back"));
       }
       const told = JSON.parse(event.data);
+      if (told.beat) beat = told.beat;
       if (told.event === "display") this.display = told;
       this.dispatchEvent(new CustomEvent(told.event ?? (told.beat ? "beat" : "answer"), { detail: told }));
     };
@@ -94,7 +101,7 @@ export class Robot extends EventTarget {
     this.dispatchEvent(new Event("lost"));
   }
 
-  // At once, by whatever way is open.
+  // Order a stop at once: through the WebSocket, and by HTTP if the connection is lost.
   stop() {
     if (this.socket.readyState === WebSocket.OPEN) this.socket.send('{"order": "stop"}');
     if (!this.connected) fetch("/api/orders/stop", { method: "POST", body: "{}", keepalive: true }).catch(() => {});

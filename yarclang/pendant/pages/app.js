@@ -1,4 +1,4 @@
-// The pendant: who is logged in, which page is shown, and what all pages share.
+// The app: login, choice of the page, and the state that all pages share.
 
 import { Robot, get, post } from "/api.js";
 import { Devices } from "/devices.js";
@@ -15,13 +15,13 @@ import { Shell } from "/shell.js";
 import { statusPage } from "/status.js";
 import { tabbed } from "/tabs.js";
 
-// A page whose files are loaded when it is shown first: a library is large.
+// Return a page whose files are loaded when it is first shown, because its libraries are large.
 function later(path, name) {
   return (place, app, rest) => {
     let left = false;
     let inner = () => {};
     const shown = (page) => left || (inner = page[name](place, app, rest) ?? inner);
-    import(path).then(shown, () => app.notice("The page can't be loaded: is there a connection?", true));
+    import(path).then(shown, () => app.notice("The page can't be loaded: check the connection.", true));
     const leave = () => {
       left = true;
       inner();
@@ -109,7 +109,7 @@ class App {
     this.show();
   }
 
-  // What the robot is; asked again when the server is found again.
+  // Request the robot's description. Called again when the server can be reached again.
   async describe() {
     try {
       this.about = await get("/api/robot");
@@ -123,7 +123,7 @@ class App {
     }
   }
 
-  // Settings of jogs, kept by this browser for this user.
+  // Settings of jogs. The browser stores them for each user.
   get jog() {
     this.jogSettings ??= { share: 0.1, step: 0, kind: "joint", axes: "{B}", moving: "{TCP}", ...this.recall("jog") };
     return this.jogSettings;
@@ -145,7 +145,7 @@ class App {
     return this.me !== null && RANKS.indexOf(this.me.role) >= RANKS.indexOf(role);
   }
 
-  // Whether this session controls the robot.
+  // True if this session controls the robot.
   get controls() {
     return Boolean(this.me?.client) && this.robot.display?.owner === this.me.client;
   }
@@ -181,7 +181,7 @@ class App {
     this.leavePage = page(this.place.page, this, rest.map(decoded).join("/")) ?? (() => {});
   }
 
-  // What the page that is shown does when the server is found again: what it has asked for meanwhile never came.
+  // Set the function that the shown page needs after a lost connection, because replies may have been lost.
   whenBack(work) {
     this.again = work;
   }
@@ -199,7 +199,7 @@ class App {
     try {
       return await work();
     } catch (refused) {
-      // a login that has ended and a lost connection are told already
+      // the login page or the status bar already shows an ended login or a lost connection
       const told = refused.status === 401 || (refused.status === 0 && this.robot.wasLost && !this.robot.connected);
       if (!told) this.notice(refused.message, true);
       return null;
@@ -207,7 +207,7 @@ class App {
   }
 
   notice(what, warning = false, ...actions) {
-    // the same words again take the place of the first ones; a question stays
+    // a notice replaces an earlier one with the same text, unless it asks a question
     const said = [...this.place.notices.children].find((one) => one.firstChild.textContent === what);
     if (said && !actions.length) said.remove();
     const shown = h("div", { class: warning ? "notice warning" : "notice" }, h("span", {}, what), ...actions);
@@ -219,7 +219,7 @@ class App {
   }
 
   async logout() {
-    // whoever isn't logged out has to see it: the next person would be taken for this one
+    // a failed logout must be visible: otherwise the next person would work under this user's name
     if (await this.tried(() => post("/api/logout"))) this.close("");
   }
 
@@ -240,12 +240,12 @@ class App {
   }
 }
 
-// Questions that nobody has answered on the page that asked are answered with no.
+// Close all open questions. A question without an answer counts as answered with no.
 function forgetQuestions() {
   for (const dialog of document.querySelectorAll("dialog[open]")) dialog.close();
 }
 
-// A part of the address as it is meant; what can't be decoded stays as it is.
+// Decode a part of the address; return it unchanged if that is impossible.
 function decoded(part) {
   try {
     return decodeURIComponent(part);

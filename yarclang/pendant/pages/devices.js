@@ -1,4 +1,4 @@
-// Joysticks and keys: what a person has mapped to jog, enable, hold, stop and run.
+// Joysticks and keyboard keys, as the user has mapped them to jogging, enabling, hold, stop and run.
 
 import { order } from "/api.js";
 
@@ -15,7 +15,7 @@ export const DEFAULT = {
   keys: {},
 };
 
-// What a key may do besides jogging.
+// Actions other than jogging to which a key can be mapped.
 export const DEEDS = ["enable", "stop", "hold", "run"];
 
 export class Devices extends EventTarget {
@@ -40,12 +40,12 @@ export class Devices extends EventTarget {
     this.app.remember("devices", this.map);
   }
 
-  // The joystick that was moved last, or none.
+  // The first connected joystick; null: none.
   get pad() {
     return [...navigator.getGamepads()].find((one) => one?.connected) ?? null;
   }
 
-  // Deflections from -1 to 1 with a neutral zone, as parts of a twist.
+  // Return the joystick's deflections as a twist, from -1 to 1. Small deflections count as zero.
   parts(pad) {
     const twist = [0, 0, 0, 0, 0, 0];
     this.map.axes.forEach(({ to, sign }, number) => {
@@ -71,7 +71,7 @@ export class Devices extends EventTarget {
     const twist = this.parts(pad);
     const enabled = Boolean(pad.buttons[this.map.enable]?.pressed);
     const deflected = twist.some((part) => part !== 0);
-    // who enables with the stick deflected already hasn't meant that way
+    // a stick that was deflected before enabling must first return to neutral
     if (!enabled || !deflected) this.neutral = !deflected;
     if (!enabled) {
       if (this.jogging) this.end();
@@ -127,13 +127,13 @@ export class Devices extends EventTarget {
     else this.app.holding.release(`key ${event.code}`);
   }
 
-  // Where a key is mapped to enable, keys jog only while that one is held.
+  // Return true if keys may jog: if a key is mapped to enable, it must be pressed.
   isEnabled() {
     const enabling = Object.entries(this.map.keys).filter(([, deed]) => deed === "enable");
     return !enabling.length || enabling.some(([code]) => this.pressed.has(code));
   }
 
-  // `x+` and so on: the same key moves the joint of that number, if joints are jogged.
+  // Return the motion for a mapping such as `x+`. In joint mode, x is the first joint, y the second, and so on.
   want(deed) {
     const sign = deed.endsWith("-") ? -1 : 1;
     const axis = deed[0];

@@ -1,4 +1,4 @@
-// The API's page, made of its OpenAPI document.
+// The page that documents the API, made from the OpenAPI document.
 
 import { h, put } from "/dom.js";
 

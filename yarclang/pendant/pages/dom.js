@@ -1,4 +1,4 @@
-// Elements made of data. Texts are always texts: nothing that a person or a file has named becomes markup.
+// Create DOM elements from data. A text is never parsed as HTML, so names of people and files can't inject markup.
 
 export function h(tag, attributes = {}, ...children) {
   const made = document.createElement(tag);
@@ -17,7 +17,7 @@ export function put(place, ...children) {
   place.replaceChildren(...children.flat().filter((one) => one !== null && one !== undefined && one !== false));
 }
 
-// Change a text only if it is another one: screen readers and layout are left alone otherwise.
+// Set a text only if it differs. Otherwise screen readers would read it again, and the browser would lay it out again.
 export function text(place, value) {
   if (place.textContent !== value) place.textContent = value;
 }
@@ -35,12 +35,13 @@ export function seconds(value) {
   return `${Math.floor(value / 60)}:${String(Math.floor(value % 60)).padStart(2, "0")} min`;
 }
 
-// Where a command stands, in words: "P0020(#2)>P0010" is P0020 (pass 3) › P0010.
+// Return the index of a command within blocks, in words: "P0020(#2)>P0010" becomes P0020 (pass 3) › P0010.
 export function stands(where) {
   return where.split(">").map((one) => one.replace(/\(#(\d+)\)/g, (_, pass) => ` (pass ${Number(pass) + 1})`)).join(" › ");
 }
 
-// A command's title in two: what it is, and where it stands, in words: "P0020(#2)>P0010 MOVEL" is P0010 MOVEL, in P0020 (pass 3).
+// Split a command's title into the command and its place, in words: "P0020(#2)>P0010 MOVEL" becomes "P0010 MOVEL" and
+// "in P0020 (pass 3)".
 export function called(title) {
   const [where, ...name] = title.split(" ");
   const parts = where.split(">");

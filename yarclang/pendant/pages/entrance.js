@@ -1,4 +1,4 @@
-// Log in; or, with the one-time link, make the first user.
+// The login page. With the token of the one-time link, it creates the first user.
 
 import { post } from "/api.js";
 import { h, put } from "/dom.js";
@@ -33,7 +33,7 @@ export function entrance(place, { first, token, said }, open) {
       },
     },
     h("h1", {}, "TCPad"),
-    making && h("p", {}, "There is no user yet. The first one has the role service, and makes the others."),
+    making && h("p", {}, "There is no user yet. The first user gets the role service, and creates the others."),
     first && !token && h("p", {}, "There is no user yet: open the link that `yarc pendant` has printed."),
     user,
     password,

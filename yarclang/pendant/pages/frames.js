@@ -1,4 +1,5 @@
-// The frames of jogging and display: which one is moved and looked at, and in which other one. One choice for all pages, kept for each user.
+// The chosen frames for jogging and display: the frame on the flange that is moved and displayed, and the reference
+// frame. All pages share the choice, which is stored for each user.
 
 import { get } from "/api.js";
 import { h, mark, put } from "/dom.js";
@@ -7,13 +8,14 @@ const LISTS = { moving: "moving", axes: "fixed" };
 
 const listed = (about, which) => about?.[LISTS[which]] ?? [];
 
-// The frame {name, pose} that is chosen: `which` is "moving" (on the flange) or "axes" (one that stands still).
+// Return the chosen frame {name, pose}. `which` is "moving" (a frame on the flange) or "axes" (a stationary reference
+// frame).
 export function chosen(app, which) {
   const all = listed(app.about, which);
   return all.find(({ name }) => name === app.jog[which]) ?? all[0];
 }
 
-// Choose another one. What is held is let go: it would move otherwise than before.
+// Choose a frame. A running jog ends, because the same button would now move the robot differently.
 export function choose(app, which, name) {
   if (app.jog[which] === name) return;
   app.holding.releaseAll();
@@ -26,7 +28,7 @@ function keep(app) {
   app.robot.dispatchEvent(new Event("frames"));
 }
 
-// A choice that there isn't any more falls back to {TCP} or {B}, with a word.
+// Replace a chosen frame that no longer exists by {TCP} or {B}, and notify the user.
 export function settle(app) {
   for (const which of Object.keys(LISTS)) {
     const all = listed(app.about, which);
@@ -35,11 +37,11 @@ export function settle(app) {
     app.holding.releaseAll();
     app.jog[which] = all[0].name;
     keep(app);
-    app.notice(`There is no frame ${before} any more: ${all[0].name} is ${which === "moving" ? "moved and shown" : "the reference"} from now on.`, true);
+    app.notice(`The frame ${before} no longer exists: ${all[0].name} is ${which === "moving" ? "moved and shown" : "the reference"} from now on.`, true);
   }
 }
 
-// Ask whether there are other frames now: another program or cell has its own.
+// Request the frames again: another program or cell may have other frames.
 export async function renew(app) {
   const before = app.about;
   const about = await get("/api/robot").catch(() => null);
@@ -52,7 +54,7 @@ export async function renew(app) {
   settle(app);
 }
 
-// A select that shows the choice and changes it, as long as `signal` isn't aborted.
+// Return a select element for the chosen frame. It follows changes of the choice until `signal` is aborted.
 export function frameSelect(app, which, label, signal) {
   const made = h("select", { onchange: () => choose(app, which, made.value) });
   const draw = () => {

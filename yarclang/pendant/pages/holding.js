@@ -1,6 +1,7 @@
-// Hold-to-run: what is pressed, by finger, key or joystick, becomes one jog; the release of anything ends it.
+// Hold-to-run: buttons pressed by finger, key or joystick start a jog. The release of any of them ends it.
 //
-// While something is pressed the server is told 20 times a second what is wanted, with the heartbeat that was heard last. What stops the telling, stops the robot.
+// While a button is pressed, the page sends the requested motion 20 times a second, with the last heartbeat that it has
+// received. If these messages stop, the robot comes to rest.
 
 import { jogSocket } from "/api.js";
 
@@ -9,8 +10,8 @@ const EACH = 50;
 export class Holding extends EventTarget {
   constructor() {
     super();
-    this.held = new Map(); // source: what it wants
-    this.blocked = false; // after a release, until all is let go
+    this.held = new Map(); // pressed buttons: source of the press, and the motion that it requests
+    this.blocked = false; // true after a release, until all buttons are released
     this.press = 0;
     this.last = 0;
     this.beat = 0;
@@ -44,7 +45,8 @@ export class Holding extends EventTarget {
     return this.press > 0;
   }
 
-  // Something is pressed: `want` is {joint, sign} or {axis, sign}; of a joystick {joints} or {twist}, from -1 to 1 each.
+  // Begin a press. `want` is the requested motion: {joint, sign} or {axis, sign}; for a joystick {joints} or {twist},
+  // with values from -1 to 1.
   hold(source, want) {
     if (this.held.has(source)) {
       this.held.set(source, want);
@@ -64,7 +66,7 @@ export class Holding extends EventTarget {
     this.dispatchEvent(new Event("begun"));
   }
 
-  // Something is let go: that ends the jog, whatever else is pressed.
+  // End a press. This ends the jog even if other buttons are still pressed.
   release(source) {
     if (!this.held.delete(source)) return;
     this.end();
@@ -77,7 +79,7 @@ export class Holding extends EventTarget {
     this.end();
   }
 
-  // An offer that rests on its path is ended: whoever held it has left its page.
+  // End an offered motion that rests on its path, because the user has left the page with its button.
   leave() {
     this.releaseAll();
     if (this.last && this.socket.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify({ release: this.last, end: true }));
@@ -102,7 +104,7 @@ export class Holding extends EventTarget {
     }
   }
 
-  // All that is pressed together, as one want.
+  // Return the motion that all pressed buttons request together.
   wanted() {
     const { share = 0.1, step = 0, axes = "{B}", moving = "{TCP}", robot } = this.settings();
     const wants = [...this.held.values()];
@@ -133,12 +135,12 @@ export class Holding extends EventTarget {
   hear(told) {
     if (told.press !== this.last) return;
     if (told.state === "moves") {
-      if (this.press === told.press) this.tell("moves", told.why); // else it was on its way when the button was let go
+      if (this.press === told.press) this.tell("moves", told.why); // otherwise the message crossed the release of the button
     } else if (this.press === told.press) this.over(told.state, told.why, told.help, told.code);
     else if (told.why) this.tell(told.state, told.why, told.help);
   }
 
-  // The server has ended it: what is still pressed has to be let go first.
+  // Handle the end of a jog by the server. Pressed buttons have to be released before another jog can begin.
   over(state, why, help, code) {
     this.press = 0;
     this.blocked = this.held.size > 0;
@@ -158,7 +160,7 @@ export class Holding extends EventTarget {
   }
 }
 
-// Let an element be held by finger, mouse, pen, or by the keys that press a button.
+// Make an element a hold-to-run button for finger, mouse, pen, and the keys that press a button.
 export function holdable(element, holding, source, want) {
   const press = (event) => {
     if (event.button) return;
@@ -184,7 +186,8 @@ export function holdable(element, holding, source, want) {
   });
 }
 
-// What lies under a finger may have moved while it held: the click that follows the release is nobody's.
+// Ignore the click that follows a release. The layout may have changed during the press, so the click could hit another
+// element.
 function swallowClick() {
   const swallow = (event) => event.stopPropagation();
   document.addEventListener("click", swallow, { capture: true, once: true });

@@ -1,4 +1,4 @@
-// Jog: joints, tool, base or any frame, as long as something is held.
+// The page Jog: motion of joints, or of the tool in any frame, while a button is held.
 
 import { h, put, text } from "/dom.js";
 import { chosen, frameSelect, renew } from "/frames.js";
@@ -11,7 +11,7 @@ const STEPS = [
   [1, "1"],
   [10, "10"],
 ];
-const LONG = 6; // longer names stand beside the buttons alone, which have J1, J2 and so on
+const LONG = 6; // longest joint name on a button; a longer name stands beside the buttons, which then show J1, J2 and so on
 const LETTERS = [..."xyzabc"];
 const NAMES = ["X", "Y", "Z", "A (about X)", "B (about Y)", "C (about Z)"];
 
@@ -98,19 +98,19 @@ export function jogPage(place, app) {
     if (!holding.moving) idle(display);
   }
 
-  // Why nothing can be jogged now; empty if it can.
+  // Return the reason why the robot can't be jogged now; empty: it can.
   function idle(display) {
     let what = "";
     if (!app.may("programmer")) what = "Jogging needs the role programmer.";
     else if (!app.controls) what = "Take control of the robot first.";
-    else if (display.mode === "fault") what = "The robot has a fault: look at System, Controller.";
-    else if (display.mode === "held" && display.under_way === "jog") what = "The robot comes to rest.";
+    else if (display.mode === "fault") what = "The robot has a fault: see System > Controller.";
+    else if (display.mode === "held" && display.under_way === "jog") what = "The robot is stopping.";
     else if (display.mode !== "idle" && display.mode !== "jog") what = `The robot is ${display.mode === "program" ? "running a program" : display.mode}.`;
-    else if (display.enabled === false) what = "A motor isn't enabled: look at System, Controller.";
-    else if (display.homed === false) what = "A motor isn't homed: look at System, Controller.";
+    else if (display.enabled === false) what = "A motor isn't enabled: see System > Controller.";
+    else if (display.homed === false) what = "A motor isn't homed: see System > Controller.";
     rows.classList.toggle("unusable", what !== "");
     if (what) text(why, what);
-    else if (!told) text(why, "Hold a button: the robot moves as long as you do.");
+    else if (!told) text(why, "Hold a button: the robot moves until you release it.");
   }
 
   let told = "";

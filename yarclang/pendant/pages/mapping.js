@@ -1,4 +1,4 @@
-// Joystick and keys: live bars, and which axis or key does what.
+// The page on which users map joystick axes and keys to actions. Bars show the deflection of each axis.
 
 import { DEEDS, DEFAULT, TARGETS } from "/devices.js";
 import { button, h, put, text } from "/dom.js";
@@ -13,10 +13,10 @@ export function mappingPage(place, app) {
     h("h1", { class: "hidden" }, "Joystick and keys"),
     h("div", { class: "columns" },
       h("section", {}, h("h2", {}, "Joystick"), name, bars,
-        h("p", {}, "Hold the enabling button, then move the stick. Letting go of the button stops the robot.")),
+        h("p", {}, "Hold the enabling button, then move the stick. Releasing the button stops the robot.")),
       h("section", {}, h("h2", {}, "Keys"), keys, told,
-        h("p", {}, "A key of a keyboard, or a membrane switch that acts as one. If a key enables, others jog only while it is held. Escape always stops."),
-        button("As they were at first", () => { devices.map = structuredClone(DEFAULT); devices.keep(); draw(); drawKeys(); }))));
+        h("p", {}, "A key of a keyboard, or a membrane switch that acts as one. If one key is the enabling key, the other keys jog only while it is held. Escape always stops."),
+        button("Restore defaults", () => { devices.map = structuredClone(DEFAULT); devices.keep(); draw(); drawKeys(); }))));
   let shown = "";
   let rows = [];
   let buttons = [];

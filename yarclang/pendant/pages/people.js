@@ -1,4 +1,4 @@
-// Users, sessions, the audit trail; and one's own account.
+// The pages of users, sessions and the audit trail, and of the user's own account.
 
 import { call, get, post, remove } from "/api.js";
 import { theme } from "/app.js";
@@ -86,7 +86,7 @@ export function peoplePage(place, app) {
   app.whenBack(look);
 }
 
-// How many sessions somebody has, in words.
+// Return the number of a user's sessions, in words.
 function counted(count) {
   return count > 1 ? `${count} times` : count ? "once" : "no";
 }
@@ -111,5 +111,5 @@ export function accountPage(place, app) {
   put(place, h("h1", { class: "hidden" }, "Account"),
     h("section", {}, h("h2", {}, `${app.me.user}, ${app.me.role}`), form),
     h("section", {}, h("h2", {}, "Colours"), h("label", {}, "This device is ", themes)),
-    h("section", {}, h("h2", {}, "For programmers"), h("p", {}, h("a", { href: "/api/docs" }, "The API of this pendant"), ": all that these pages do, other programs can do as well.")));
+    h("section", {}, h("h2", {}, "For programmers"), h("p", {}, h("a", { href: "/api/docs" }, "The API of this pendant"), ": other programs can do everything that these pages do.")));
 }

@@ -14,7 +14,7 @@ export function matrix(values) {
   return [0, 1, 2, 3].map((row) => values.slice(4 * row, 4 * row + 4));
 }
 
-// x y z [mm], roll pitch yaw [deg]: R = Rz(yaw) Ry(pitch) Rx(roll).
+// Return x y z [mm] and roll pitch yaw [deg] of a pose, with R = Rz(yaw) Ry(pitch) Rx(roll).
 export function numbers(pose) {
   const [[xx, xy], [yx, yy], [zx, zy, zz]] = pose;
   const deg = 180 / Math.PI;

@@ -1,9 +1,9 @@
-// Service work: what needs the role service asks for the PIN as well. STOP stays within reach meanwhile.
+// Service work: orders that need the service role and the PIN. The STOP button stays usable while the PIN is entered.
 
 import { post } from "/api.js";
 import { button, h } from "/dom.js";
 
-// Do service work; the PIN is asked for where it is needed.
+// Carry out service work. If it needs the PIN, ask for the PIN and carry it out again.
 export async function serviced(app, work) {
   try {
     return await work();
@@ -17,7 +17,8 @@ export async function serviced(app, work) {
   return app.tried(work);
 }
 
-// The same for who deals with refusals: they are thrown, that of the PIN too if nobody enters it.
+// Like `serviced`, but throw refusals to the caller. If nobody enters the PIN, the refusal for the missing PIN is
+// thrown, too.
 export async function pinned(app, work) {
   try {
     return await work();
@@ -27,7 +28,7 @@ export async function pinned(app, work) {
   return work();
 }
 
-// Ask for the PIN: true if it was right. A question that is open already is answered with no.
+// Ask for the PIN. Return true if it is correct. An open question for the PIN is closed, and counts as not answered.
 export function askPin(app) {
   document.querySelector("dialog.pin")?.close();
   return new Promise((done) => {

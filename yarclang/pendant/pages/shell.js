@@ -1,4 +1,4 @@
-// What is on the screen whatever page is shown: the robot's state, who controls it, the newest alarm, STOP.
+// The frame around all pages: the robot's state, its owner, the newest alarm, and the STOP button.
 
 import { post } from "/api.js";
 import { button, called, h, mark, put, seconds, text } from "/dom.js";
@@ -12,13 +12,13 @@ const WORDS = {
   disconnected: "Disconnected",
 };
 
-// What the robot does without this page, by what it did last.
+// Return what the robot does while the connection is lost, as a sentence derived from its last known state.
 function meanwhile(display) {
-  if (!display) return "What the robot does isn't known.";
-  if (display.mode === "jog") return "A jog ends by itself: the robot comes to rest on its path.";
-  if (display.mode === "program") return `The robot goes on with ${display.under_way}.`;
-  if (display.mode === "held") return "The robot was held, and stands.";
-  return "The robot stood still.";
+  if (!display) return "The robot's state is unknown.";
+  if (display.mode === "jog") return "A jog ends automatically: the robot comes to rest on its path.";
+  if (display.mode === "program") return `The robot continues ${display.under_way}.`;
+  if (display.mode === "held") return "The robot was held, and is at rest.";
+  return "The robot was at rest.";
 }
 
 export class Shell {
@@ -100,12 +100,13 @@ export class Shell {
     const whole = shown.audit || (shown.connected ? "" : "the coordinator of the robot can't be reached");
     const more = alarm.open > 1 ? ` (and ${alarm.open - 1} more)` : "";
     text(this.alarmCode, whole ? "" : alarm.code);
-    // what doesn't hold any more stands here until somebody acknowledges it
+    // an alarm whose fault is over stays here until somebody acknowledges it
     text(this.alarmText, whole || `${alarm.holds ? "" : "Not acknowledged: "}${alarm.text}${more}`);
     this.alarm.hidden = !whole && !alarm.number;
   }
 
-  // An alarm goes when somebody acknowledges it, on all screens at once; one that holds stays.
+  // Open the page of the newest alarm. Once acknowledged, an alarm disappears from all screens, unless its fault is
+  // still present.
   openAlarm() {
     const { number } = this.app.robot.display.alarm;
     location.hash = number ? `#/history/alarms/${number}` : "#/history/alarms";

@@ -1,4 +1,5 @@
-// Status: joints against their limits, the tool in any frame, motors, link and buffer.
+// The page Status: joint positions within their limits, the pose of the tool in any frame, motors, connection and
+// buffer.
 
 import { order } from "/api.js";
 import { h, mark, put, text } from "/dom.js";
@@ -66,7 +67,7 @@ export function statusPage(place, app) {
       "Last reply": `${(told.reply_s * 1e3).toFixed(1)} ms`,
       "Slowest reply": `${(told.slowest_s * 1e3).toFixed(1)} ms`,
       "Lines ahead in the buffer": told.ahead === null ? "nothing is streamed" : String(told.ahead),
-      "This computer may be silent for": `${told.silence_s.toFixed(2)} s`,
+      "Allowed silence of this computer": `${told.silence_s.toFixed(2)} s`,
       "Guard PLC": told.guard ? "tried, works" : "not known",
     };
     put(link, Object.entries(facts).flatMap(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]));

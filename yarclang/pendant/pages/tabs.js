@@ -1,8 +1,8 @@
-// A page of several, with a row of tabs above them. The tab is the second part of the address: #/system/users.
+// A page with a row of tabs. The second part of the address is the tab: #/system/users.
 
 import { h, put } from "/dom.js";
 
-// Return a page of [name, title, page, role]: tabs that the person may not use aren't shown.
+// Return a page made of tabs [name, title, page, role]. Tabs for which the user lacks the role are hidden.
 export function tabbed(group, tabs) {
   return (place, app, rest) => {
     const [wanted, ...below] = rest.split("/");

@@ -1,4 +1,4 @@
-"""Calls of the program git that can't execute code from the repository: hooks, filters, file system
+"""Calls of the program git in which the repository can't make git execute code. Hooks, filters, file system
 monitors, pagers, converters and transports are switched off.
 """
 
@@ -53,18 +53,18 @@ _ENVIRONMENT = {
     "LC_ALL": "C.UTF-8",
 }
 _KEPT = ("PATH", "HOME", "XDG_CONFIG_HOME", "LD_LIBRARY_PATH")
-"""Environment variables that git inherits. Git needs the user's settings, because they list the folders of
-other users that git may read.
+"""Environment variables that git inherits. With them, git finds the user's settings, which say which folders
+of other users git may read.
 """
 
 
 class Missing(Exception):  # noqa: N818 - it is an answer
-    """Raised if git has no reply because there is no repository or no commit."""
+    """Raised if git has no answer, because there is no repository or no commit."""
 
 
 def ask(folder: Path, *words: str, most: int = _MOST_ANSWER) -> bytes:
     """Call git and return its output. Use only commands that don't read the content of files in the work
-    tree, because git would apply the repository's filters to the content.
+    tree. Otherwise git would run filters that the repository defines.
 
     Args:
         folder: folder in the work tree of a repository.
@@ -105,19 +105,15 @@ def ask(folder: Path, *words: str, most: int = _MOST_ANSWER) -> bytes:
             if stream is not None:
                 stream.close()
     if late.is_set() or len(output) > most:
-        much = (
-            f"takes more than {_LONGEST:.0f} s" if late.is_set() else f"has more than {most:,} bytes to say"
-        )
-        raise Trouble(f"git {words[0]} {much} here", "use git on the computer itself", "git")
+        much = f"takes more than {_LONGEST:.0f} s" if late.is_set() else f"outputs more than {most:,} bytes"
+        raise Trouble(f"git {words[0]} {much} here", "use git on the pendant's computer", "git")
     if process.returncode:
         raise _refusal(folder, refused.decode(errors="replace"))
     return output
 
 
 def _read(process: subprocess.Popen[bytes], most: int) -> tuple[bytes, bytes]:
-    """Return two values: the output of a process, up to about `most` bytes, and the beginning of the
-    process's error output.
-    """
+    """Return the output of a process, up to about `most` bytes, and the beginning of its error output."""
     assert process.stdout is not None
     assert process.stderr is not None
     complaints: list[bytes] = []
@@ -146,9 +142,9 @@ def _kill(process: subprocess.Popen[bytes]) -> None:
 def _refusal(folder: Path, output: str) -> Exception:
     if "dubious ownership" in output:
         return Trouble(
-            f"{quoted(str(folder))} belongs to another user than the pendant runs as, and git refuses "
-                f"such folders",
-            f"if you trust it: git config --global --add safe.directory {folder}", "git",
+            f"{quoted(str(folder))} belongs to another user than the one that runs the pendant, so git "
+            "refuses it",
+            f"if you trust the folder: git config --global --add safe.directory {folder}", "git",
         )  # fmt: skip
     if not output.strip() or "safe.bareRepository" in output or "not a git repository" in output:
         return Missing(output)
@@ -156,4 +152,4 @@ def _refusal(folder: Path, output: str) -> Exception:
     if "Needed a single revision" in output or "unknown revision" in output or "bad revision" in output:
         return Missing(output)
     return Trouble(f"git can't read this repository: {first[:200] or 'it gives no reason'}",
-        "use git on the computer itself", "git")  # fmt: skip
+        "use git on the pendant's computer", "git")  # fmt: skip

@@ -31,8 +31,8 @@ def authors_of(deeds: Iterable[Deed]) -> dict[str, Authors]:
     """Return the authors of each file, by the file's path in the project.
 
     Args:
-        deeds: entries of the audit trail, newest first. A refused action has two entries, the action and the
-            refusal; both are ignored.
+        deeds: entries of the audit trail, newest first. A refused action has two entries, its own and that of
+            the refusal. Both are ignored.
     """
     by_file: dict[str, Authors] = {}
     refused: Counter[tuple[str, str, str]] = Counter()
@@ -52,8 +52,8 @@ def authors_of(deeds: Iterable[Deed]) -> dict[str, Authors]:
 
 
 def _changed(deed: Deed) -> Iterable[tuple[str, str]]:
-    """Yield the paths that an action has changed, each with the SHA-256 of the new content: empty if the
-    file is gone, "?" if the hash is unknown.
+    """Yield the paths that an action has changed, each with the SHA-256 of the new content. The hash is empty
+    if the file was removed or moved, and "?" if it is unknown.
     """
     try:
         detail = json.loads(deed.detail)

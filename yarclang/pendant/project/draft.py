@@ -86,7 +86,7 @@ class Draft:
         os.fchmod(self._file, stat.S_IMODE(before.st_mode))
 
     def stand_new(self) -> None:
-        """Complete the draft as a new file: give it its name.
+        """Complete the draft as a new file: give the file its name.
 
         Raises:
             FileExistsError: the name is taken.
@@ -99,7 +99,7 @@ class Draft:
         except OSError as error:
             if error.errno not in _NO_LINKS or not self._temporary:
                 raise
-            # On file systems without hard links, an empty file reserves the name first.
+            # The file system has no hard links. Reserve the name by an empty file, then replace this file.
             flags = os.O_CREAT | os.O_EXCL | os.O_WRONLY | os.O_CLOEXEC
             os.close(os.open(self._name, flags, 0o666, dir_fd=self._folder))
             self._replace()

@@ -57,7 +57,7 @@ class ProjectFolder:
     Args:
         folder: folder of the project.
         database: file of the pendant's database. The database and the pendant's other files in the same
-            folder, among them the trash, are inaccessible as files of the project.
+            folder, such as the trash, can't be accessed as files of the project.
         robots: folders that describe robots; only service users may change their files.
 
     Attributes:
@@ -79,8 +79,8 @@ class ProjectFolder:
     # reading
 
     def path(self, name: str) -> Path:
-        """Return the absolute path of a file or folder of the project, for code that opens files by their
-        path. The file or folder need not exist.
+        """Return the absolute path of a file or folder of the project, for code that opens files by path. The
+        file or folder need not exist.
 
         Raises:
             Trouble: the path is outside of the project, hidden, or that of the pendant's own files.
@@ -135,7 +135,7 @@ class ProjectFolder:
             while data := os.read(handle, _PIECE):
                 pieces.append(data)
                 size += len(data)
-                if size > most:  # the file is growing meanwhile
+                if size > most:  # the file has grown since its size was read
                     raise _too_large(name, size, most)
             content = b"".join(pieces)
             return content, Written(name, size, hashlib.sha256(content).hexdigest(), moment(status.st_mtime))
@@ -165,7 +165,7 @@ class ProjectFolder:
                 status = os.fstat(handle)
                 if self._places.is_private(status):
                     raise Trouble(
-                        f"{quoted(name)} belongs to the pendant itself", "name a file of the project", ""
+                        f"{quoted(name)} is used by the pendant itself", "name a file of the project", ""
                     )
                 yield handle, status, place.name
             finally:
@@ -217,8 +217,8 @@ class ProjectFolder:
 
     @contextmanager
     def draft(self, name: str, size: int) -> Iterator[Draft]:
-        """Begin to write a file. `stand` completes the file; if the context ends without a call of `stand`,
-        nothing is left of the file.
+        """Begin to write a file, as a draft. A call of `stand` completes the file. If the context ends
+        without this call, no part of the file is left.
 
         Args:
             name: path in the project.
@@ -336,8 +336,8 @@ class ProjectFolder:
                     os.mkdir(place.name, 0o777, dir_fd=place.folder)
 
     def remove_kept(self, name: str) -> None:
-        """Remove a file, or a link to a file, without moving it to the trash, because a copy has been saved
-        elsewhere.
+        """Remove a file, or a link to a file, of which a copy has been saved elsewhere. It isn't moved to the
+        trash.
 
         Raises:
             Trouble: the file can't be removed.
@@ -387,14 +387,16 @@ class ProjectFolder:
             raise OSError(errno.ENOENT, "")
         kind = stat.S_IFMT(status.st_mode)
         if kind not in (stat.S_IFDIR, stat.S_IFREG, stat.S_IFLNK):
-            raise Trouble(f"{quoted(name)} is not a file", "leave it to the system", "")
+            raise Trouble(f"{quoted(name)} is not a file", "leave it unchanged", "")
         if kind == stat.S_IFDIR and self._places.holds_private(status):
-            raise Trouble(f"{quoted(name)} holds files of the pendant itself", "leave it where it is", "")
+            raise Trouble(
+                f"{quoted(name)} contains files of the pendant itself", "don't move or delete it", ""
+            )
         return status
 
     def _check_new(self, place: At, name: str, but: os.stat_result | None = None) -> None:
-        """Check that a name is allowed for a new file, and that the folder has no file with a similar
-        name, other than the file with the status `but`.
+        """Check that a name is allowed for a new file, and that the folder contains no other file with a
+        similar name. The file with the status `but` isn't counted.
         """
         check_new(place.parts)
         wanted = folded(place.name)
@@ -404,7 +406,7 @@ class ProjectFolder:
                     if but is not None and entry_name.inode() == but.st_ino:
                         continue
                     raise Trouble(
-                        f"{quoted(name)} looks like {quoted(entry_name.name)}, which is there already",
+                        f"{quoted(name)} looks like {quoted(entry_name.name)}, which exists already",
                         "choose another name", "",
                     )  # fmt: skip
 
@@ -434,7 +436,7 @@ class Changed(Trouble):
 
     def __init__(self, name: str, sha256: str) -> None:
         super().__init__(
-            f"{quoted(name)} is there with another content",
+            f"{quoted(name)} exists with another content",
             "open it again, or save under another name",
             "changed",
         )
@@ -450,8 +452,10 @@ def _as_taken(name: str) -> Iterator[None]:
 
 
 def _moved(old: At, new: At, status: os.stat_result, *, same: bool) -> None:
-    """Move a file or folder to another path, which must be unused. With `same`, both paths name the same
-    file, for example in another case of letters.
+    """Move a file or folder to an unused path.
+
+    With `same`, both paths name the same file, for example if only capital letters change on a disk that
+    ignores case.
     """
     if not same and stat.S_ISREG(status.st_mode):
         try:
@@ -478,5 +482,5 @@ def _hashed(handle: int) -> str:
 
 def _too_large(name: str, size: int, most: int) -> Trouble:
     return Trouble(
-        f"{quoted(name)} has {size:,} bytes, and at most {most:,} are opened here", "download it", "large"
+        f"{quoted(name)} has {size:,} bytes, but at most {most:,} can be opened here", "download it", "large"
     )

@@ -1,7 +1,7 @@
 """Changes in the project's folder since the last git commit.
 
-The files' contents are hashed here and compared with the hashes that git stores. `git status` isn't used,
-because it would run the filters that a repository defines.
+The contents of the files are hashed here, and the hashes are compared with those that git has stored. `git
+status` isn't used, because it would run filters that the repository defines.
 """
 
 from __future__ import annotations
@@ -106,19 +106,20 @@ class Git:
         return State(commit or None, changes, cut)
 
     def difference(self, file: str) -> tuple[str, str]:
-        """Return two texts of a file: in the last commit, and now. A text is empty if the file doesn't exist
-        in that version.
+        """Return the text of a file in the last commit, and its present text. A text is empty if the file
+        doesn't exist in that version.
 
         Raises:
             Trouble: the file isn't text or is too large, or there is no commit.
         """
         commit = self._head()
         if not commit:
-            raise Trouble("there is no commit to compare with", "commit on the computer itself", "git")
+            raise Trouble("there is no commit to compare with", "commit on the pendant's computer", "git")
         blob = self._blobs().get(file)
         if blob is not None and blob.size > MOST_TEXT:
-            raise Trouble(f"{quoted(file)} had {blob.size:,} bytes, and at most {MOST_TEXT:,} are compared",
-                "use git on the computer itself", "large")  # fmt: skip
+            raise Trouble(f"{quoted(file)} had {blob.size:,} bytes, but at most {MOST_TEXT:,} can be "
+            "compared",
+                "use git on the pendant's computer", "large")  # fmt: skip
         base = b"" if blob is None else ask(self._folder.root, "cat-file", "blob", blob.hash, most=MOST_TEXT)
         try:
             present = self._folder.read(file)[0]
@@ -147,7 +148,7 @@ class Git:
             return ""
 
     def _blobs(self) -> dict[str, _Blob]:
-        """Return the files of the last commit that are in the project's folder."""
+        """Return the files in the project's folder as of the last commit."""
         blobs: dict[str, _Blob] = {}
         for row in ask(self._folder.root, "ls-tree", "-r", "-l", "-z", "HEAD").split(b"\0"):
             told, _, name = row.partition(b"\t")
@@ -195,12 +196,12 @@ def text_of(file: str, content: bytes) -> str:
         text = content.decode()
     except UnicodeDecodeError as error:
         raise Trouble(
-            f"{quoted(file)} is no text in UTF-8: byte {error.start + 1:,} can't be read",
+            f"{quoted(file)} isn't UTF-8 text: byte {error.start + 1:,} can't be read",
             "download it",
             "binary",
         ) from None
     if "\0" in text:
-        raise Trouble(f"{quoted(file)} is no text: it has a byte 0", "download it", "binary")
+        raise Trouble(f"{quoted(file)} isn't text: it contains a byte 0", "download it", "binary")
     return text
 
 

@@ -1,5 +1,5 @@
-"""Check whether a file describes the robot or its cell, that is, whether it is guarded: only service users
-who have entered their PIN may change it.
+"""Check for files that describe the robot or its cell. Such files are guarded: only service users who have
+entered their PIN may change them.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ _DESCRIBES = (".toml", ".urdf", ".xacro", ".srdf", *MESHES)
 _SCRIPT = ".inputs.toml"
 """Ending of the names of scripts that set the inputs of a simulated robot. These files aren't guarded."""
 _MOST_SEEN = 20_000
-"""Most names that are read of a folder. A folder with more names counts as guarded."""
+"""Largest number of names that are read of a folder. A folder with more names counts as guarded."""
 
 
 def describes(name: str) -> bool:
@@ -30,8 +30,8 @@ def describes(name: str) -> bool:
 
 
 class Guarded:
-    """Check whether paths of a project are guarded: whether they lead to files that describe the robot or the
-    cell, be it through links or under other names. The functions wait for the disk.
+    """Check for guarded paths: paths that lead to files that describe the robot or the cell, possibly through
+    links or under other names. The functions wait for the disk.
 
     Args:
         places: access to the files of the project.
@@ -53,8 +53,8 @@ class Guarded:
         return next((reason for name in names if (reason := look.reason(name))), "")
 
     def objection_to_kept(self, content: Path, name: str) -> str:
-        """Return the reason why only service users may restore a file or folder from the trash to a path;
-        empty if others may, too.
+        """Return the reason why only service users may restore a file or folder from the trash. Empty: other
+        users may, too.
 
         Args:
             content: path of the file or folder in the trash.
@@ -68,8 +68,8 @@ class Guarded:
 
 
 class _Look:
-    """Check of a project's paths for one request. What yarc.toml names, and which files have several names
-    (hard links), is found out only once per request.
+    """Check of paths for one request. Two searches are made only once for a request: for the files that
+    yarc.toml names, and for files with several names (hard links).
     """
 
     def __init__(self, places: Places, folders: tuple[Path, ...]) -> None:
@@ -87,7 +87,7 @@ class _Look:
             try:
                 reasons[self._places.resolved(name, link=link)] = None
             except (Trouble, OSError, ValueError, RuntimeError):
-                continue  # opening it reports the reason
+                continue  # the reason is reported when the file is opened
         for parts in reasons:
             path = self._places.root.joinpath(*parts)
             if self._is_guarded(path):

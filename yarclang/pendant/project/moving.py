@@ -37,7 +37,7 @@ def _size(folder: int, name: str, entries_left: list[int], depth: int) -> int:
     entries_left[0] -= 1
     if entries_left[0] < 0 or depth > _DEEPEST:
         raise Trouble(
-            f"this folder has more than {_MOST_THINGS:,} files, or {_DEEPEST} folders within each other",
+            f"this folder has more than {_MOST_THINGS:,} files, or more than {_DEEPEST} nested folders",
             "delete parts of it first", "",
         )  # fmt: skip
     if stat.S_ISDIR(status.st_mode):

@@ -31,7 +31,7 @@ def parts_of(name: str) -> tuple[str, ...]:
         raise Trouble(f"{quoted(name)} isn't the name of a file", "name a file of the project", "")
     if len(name.encode()) > MOST_PATH:
         problem = (
-            f"the path {quoted(name)} has {len(name.encode())} bytes, and at most {MOST_PATH} are allowed"
+            f"the path {quoted(name)} has {len(name.encode())} bytes, but at most {MOST_PATH} are allowed"
         )
         raise Trouble(problem, "choose a shorter one", "")
     parts = tuple(name.split("/"))
@@ -42,11 +42,11 @@ def parts_of(name: str) -> tuple[str, ...]:
         )  # fmt: skip
     for part in parts:
         if part.startswith("."):
-            raise Trouble(f"{quoted(part)} is hidden, and the pendant leaves such files alone",
+            raise Trouble(f"{quoted(part)} is hidden, and the pendant doesn't use hidden files",
                 "choose another name", "")  # fmt: skip
         if len(part.encode()) > MOST_NAME:
             problem = (
-                f"the name {quoted(part)} has {len(part.encode())} bytes, and at most {MOST_NAME} are allowed"
+                f"the name {quoted(part)} has {len(part.encode())} bytes, but at most {MOST_NAME} are allowed"
             )
             raise Trouble(problem, "choose a shorter one", "")
     return parts
@@ -65,8 +65,8 @@ def check_new(parts: tuple[str, ...]) -> None:
 
 
 def folded(name: str) -> str:
-    """Return a normal form of a name. Names that some operating systems or most people can't distinguish
-    have the same normal form.
+    """Return a normal form of a name. Two names have the same normal form if some operating systems or most
+    people can't distinguish them.
     """
     return unicodedata.normalize("NFC", unicodedata.normalize("NFC", name).casefold())
 
@@ -76,11 +76,11 @@ def _objection(name: str) -> str:
     if any(kind in ("Cc", "Zl", "Zp") for kind in kinds):
         return "has a control character or a line break"
     if _DIRECTIONS & set(name):
-        return "has a character that turns the direction of the text"
+        return "has a character that changes the direction of the text"
     if name != name.strip() or name.endswith("."):
         return "begins or ends with a blank, or ends with a dot"
     if kinds[0] == "Cf":
-        return "begins with a character that isn't seen"
+        return "begins with an invisible character"
     if "\\" in name:
         return "has a backslash"
     return ""

@@ -1,5 +1,5 @@
-"""Access to the files of a folder by their paths. A path never leads out of the folder, even if other
-processes change the folder meanwhile.
+"""Access to the files of a folder by their paths. A path never leads out of the folder, even if another
+process changes the folder at the same time.
 """
 
 from __future__ import annotations
@@ -21,18 +21,18 @@ _FOLDER = os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC
 _REASONS = {
     errno.ENOSPC: ("there is no room left on the disk", "delete what isn't needed, or make room on the disk"),
     errno.EDQUOT: ("the disk's quota is used up", "delete what isn't needed"),
-    errno.EROFS: ("the project is on a disk that is read-only", "mount it for writing"),
-    errno.EACCES: ("the pendant has no permission", "give the user that runs the pendant the right to do so"),
-    errno.EPERM: ("the system doesn't permit it", "give the user that runs the pendant the right to do so"),
+    errno.EROFS: ("the project is on a read-only disk", "mount it for writing"),
+    errno.EACCES: ("the pendant has no permission", "give the pendant's user the permission"),
+    errno.EPERM: ("the system doesn't permit it", "give the pendant's user the permission"),
     errno.ENOENT: ("it isn't there", "look at the list of files"),
-    errno.ENOTDIR: ("a folder of its path isn't one", "look at the list of files"),
+    errno.ENOTDIR: ("a part of its path isn't a folder", "look at the list of files"),
     errno.EISDIR: ("it is a folder", "name a file"),
-    errno.ELOOP: ("its path was changed meanwhile, or links lead round", "try again"),
+    errno.ELOOP: ("its path was changed meanwhile, or its links form a loop", "try again"),
     errno.EEXIST: ("it is there already", "choose another name"),
     errno.ENOTEMPTY: ("it is there already", "choose another name"),
     errno.ENAMETOOLONG: ("its name is too long", "choose a shorter one"),
-    errno.EFBIG: ("it is larger than the disk allows", "divide it"),
-    errno.EIO: ("the disk can't read or write it", "look at the disk"),
+    errno.EFBIG: ("it is larger than the file system allows", "divide it"),
+    errno.EIO: ("reading or writing failed", "look at the disk"),
 }
 
 
@@ -44,7 +44,7 @@ def said(error: OSError, name: str) -> Trouble:
 
 @contextmanager
 def in_words(name: str) -> Iterator[None]:
-    """Convert errors of the operating system about a file to `Trouble` until the context ends."""
+    """Until the context ends, convert errors of the operating system about a file to `Trouble`."""
     try:
         yield
     except OSError as error:
@@ -153,7 +153,8 @@ class Places:
             raise Trouble(f"{quoted(name)} isn't in the project's folder", "name a file of the project", "")
         if any(place.is_relative_to(one) for one in self._private):
             raise _private(name)
-        return parts_of(place.relative_to(self.root).as_posix())  # a link may lead to a hidden file
+        # refuses a hidden file, to which a link may lead
+        return parts_of(place.relative_to(self.root).as_posix())
 
     def _enter(self, folder: int, part: str, make: bool) -> int:
         """Open a subfolder and close its parent. Return the descriptor of the subfolder."""
@@ -171,8 +172,10 @@ class Places:
         return inner
 
     def is_private(self, status: os.stat_result) -> bool:
-        """Return True if a status from the operating system is that of a private file or folder, whatever
-        the name in the path.
+        """Return True if a file or folder is private, by whatever name it was reached.
+
+        Args:
+            status: status of the file or folder from the operating system.
         """
         return (status.st_dev, status.st_ino) in self.private_now()
 
@@ -181,7 +184,9 @@ class Places:
         return _identities(self._private)
 
     def holds_private(self, status: os.stat_result) -> bool:
-        """Return True if the folder with this status contains a private file or folder at any depth."""
+        """Return True if a folder contains a private file or folder at any depth. `status` is the status of
+        the folder from the operating system.
+        """
         above = {up for one in self._private for up in one.parents}
         return (status.st_dev, status.st_ino) in _identities(above)
 
@@ -196,4 +201,4 @@ def _identities(places: Iterable[Path]) -> frozenset[tuple[int, int]]:
 
 
 def _private(name: str) -> Trouble:
-    return Trouble(f"{quoted(name)} belongs to the pendant itself", "name a file of the project", "")
+    return Trouble(f"{quoted(name)} is used by the pendant itself", "name a file of the project", "")

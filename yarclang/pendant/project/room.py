@@ -1,4 +1,4 @@
-"""Check of the free space on a disk. Some space is reserved for logs."""
+"""Check of the free space on a disk. Some space stays reserved for run logs and the audit trail."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def check_room(disk: os.statvfs_result, size: int, subject: str) -> None:
     free = disk.f_bavail * disk.f_frsize
     if size + KEPT > free:
         raise Trouble(
-            f"{subject} {size:,} bytes, and {free:,} are free on the disk, "
-            f"of which {KEPT:,} are kept for logs",
+            f"{subject} {size:,} bytes, but {free:,} are free on the disk, of which {KEPT:,} are "
+            "reserved for logs",
             "make room on the disk", "",
         )  # fmt: skip

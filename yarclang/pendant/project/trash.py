@@ -25,7 +25,7 @@ from yarclang.runtime.actions import Trouble
 
 MOST_KEPT = 200
 MOST_AGE = 30 * 86400.0
-"""Time for which deleted files are kept [s]."""
+"""Time after which deleted files are removed from the trash [s]."""
 MOST_SIZE = 2_000_000_000
 """Largest size of the trash [bytes]."""
 LARGEST = 500_000_000
@@ -89,8 +89,9 @@ class Keeping:
         self.size += len(data)
         if self.size > LARGEST:
             raise Trouble(
-                f"{quoted(self.name)} would have more than {LARGEST:,} bytes, and no more are kept for undo",
-                "move what is large out of the project first", "",
+                f"{quoted(self.name)} would have more than {LARGEST:,} bytes, which is too much to keep "
+                "for undo",
+                "move large files out of the project first", "",
             )  # fmt: skip
         self.file.write(data)
 
@@ -130,7 +131,7 @@ class Trash:
         size = measured(place.folder, place.name)
         if size > LARGEST:
             raise Trouble(
-                f"{quoted(name)} has {size:,} bytes, and at most {LARGEST:,} are kept for undo",
+                f"{quoted(name)} has {size:,} bytes, but at most {LARGEST:,} can be kept for undo",
                 "delete it on the computer itself", "",
             )  # fmt: skip
         now = time.time()
@@ -144,7 +145,7 @@ class Trash:
         hidden = f".yarc-deleted-{number}"
         try:
             _write(kept_file / _NOTE, asdict(deleted))
-            # Rename the folder to a hidden name first, so that nobody changes it while it is copied to
+            # Hide the folder under another name first, so that nobody changes it while it is copied to
             # another disk.
             os.rename(place.name, hidden, src_dir_fd=place.folder, dst_dir_fd=place.folder)
             try:
@@ -175,8 +176,8 @@ class Trash:
 
     @contextmanager
     def keeping(self, name: str, user: str) -> Iterator[Keeping]:
-        """Write a file to the trash piece by piece until the context ends. If the block in the context fails,
-        nothing of the file is left.
+        """Write a file to the trash, piece by piece, until the context ends. If the context ends with an
+        error, no part of the file is left.
 
         Args:
             name: path in the project to which the file will be restored.
@@ -216,7 +217,7 @@ class Trash:
         """
         deleted = next((one for one in self.kept() if one.number == number and not one.is_folder), None)
         if deleted is None:
-            raise Trouble("this isn't kept any more", "look at the list of what was deleted", "missing")
+            raise Trouble("this file is no longer kept", "look at the list of what was deleted", "missing")
         with in_words(deleted.file):
             flags = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
             return deleted, os.open(self._folder / deleted.number / _CONTENT, flags)
@@ -233,14 +234,15 @@ class Trash:
                 carried(folder, name, target, part)
                 os.rename(part, _CONTENT, src_dir_fd=target, dst_dir_fd=target)
                 os.fsync(target)
-                with suppress(OSError):  # all of the folder is in the trash; a hidden rest may remain
+                # the copy in the trash is complete; at worst, a hidden part of the original is left here
+                with suppress(OSError):
                     removed(folder, name)
         finally:
             os.close(target)
 
     def give_back(self, number: str) -> str:
-        """Restore a file or folder from the trash. Return its path in the project: the old one, or with a
-        number added if that is taken.
+        """Restore a file or folder from the trash. Return its path in the project: the old path or, if the
+        old path is taken, the old path with a number added.
 
         Raises:
             Trouble: the file or folder is no longer in the trash, or can't be moved to its path; then it
@@ -249,7 +251,7 @@ class Trash:
         """
         deleted = next((one for one in self.kept() if one.number == number), None)
         if deleted is None:
-            raise Trouble("this isn't kept any more", "look at the list of what was deleted", "missing")
+            raise Trouble("this file is no longer kept", "look at the list of what was deleted", "missing")
         kept_file = self._folder / number
         source = os.open(kept_file, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
         try:
@@ -262,7 +264,7 @@ class Trash:
                         break
             else:
                 raise Trouble(
-                    f"{quoted(deleted.file)} and 98 names like it are taken", "rename one of them", ""
+                    f"{quoted(deleted.file)} and 98 similar names are taken", "rename one of them", ""
                 )
         finally:
             os.close(source)
@@ -300,7 +302,9 @@ class Trash:
         return tuple(deleted_files)
 
     def _bound(self) -> None:
-        """Remove files and folders that exceed the limits of age or size, oldest first."""
+        """Remove the oldest files and folders until the trash is within its limits of number, size
+        and age.
+        """
         now, size = time.time(), 0
         for count, one in enumerate(self.kept()):
             size += one.size
@@ -308,8 +312,8 @@ class Trash:
                 shutil.rmtree(self._folder / one.number, ignore_errors=True)
 
     def _recover(self) -> None:
-        """Repair deletions that were interrupted, for example because the computer was switched off: files
-        and folders that were hidden for their deletion get their old names again.
+        """Repair deletions that were interrupted, for example by a power failure. Files and folders that were
+        hidden for their deletion get their old names again.
         """
         with suppress(OSError):
             for entry in list(self._folder.iterdir()):
@@ -321,8 +325,8 @@ class Trash:
         self._bound()
 
     def _shows_again(self, note: Deleted) -> bool:
-        """Rename the hidden file of an interrupted deletion to its old name, if that is unused. Return
-        True if the hidden file no longer exists.
+        """Give the hidden file of an interrupted deletion its old name, unless the name is used. Return True
+        if no hidden file is left.
         """
         hidden = f".yarc-deleted-{note.number}"
         with suppress(Trouble, OSError), self._places.at(note.file, link=True) as place:

@@ -14,10 +14,10 @@ from yarclang.pendant.project.places import Places
 from yarclang.runtime.actions import Trouble
 
 MOST_SEEN = 300_000
-"""Most names that are read of a folder and all of its subfolders."""
+"""Largest number of names that are read, counting a folder and all of its subfolders."""
 
 MOST_IN_FOLDER = 20_000
-"""Most names of one folder that are listed. Sorting more names would take too long."""
+"""Largest number of names of one folder that are listed. Sorting more names would take too long."""
 
 _BREATH = 100
 """Number of names after which the listing thread pauses briefly, so that it doesn't block the loop that
@@ -78,7 +78,7 @@ class Walk:
         for count, name in enumerate(self._names(folder)):
             if count % _BREATH == _BREATH - 1:
                 time.sleep(0.0005)
-            with suppress(OSError):  # skip files that are removed meanwhile
+            with suppress(OSError):  # skip files that have just been removed
                 entry, is_folder = self._entry(folder, name, path)
                 if entry is not None:
                     yield entry

@@ -16,7 +16,7 @@ from yarclang.runtime.actions import Trouble
 
 _LOGS = (".mcap",)
 _MOST = 10_000
-"""Most files that are listed."""
+"""Largest number of files that are listed."""
 
 
 @dataclass(frozen=True, slots=True)

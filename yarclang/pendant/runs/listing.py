@@ -1,6 +1,4 @@
-"""List of run logs with their summaries. The summary of a finished log is read again only after its file
-has changed.
-"""
+"""List of run logs with their summaries. A summary is cached until the file of the log changes."""
 
 from __future__ import annotations
 
@@ -15,12 +13,12 @@ from yarclang.report.runs.brief import Brief, brief_of
 from yarclang.runtime.actions import Trouble
 
 MOST = 1000
-"""Most logs that are listed."""
+"""Largest number of logs that are listed."""
 
 _REMEMBERED = 4 * MOST
 _FRESH = 5.0
-"""If a log without an end was changed within this time, it counts as being written; otherwise as cut off
-[s].
+"""Time after its last change for which a log without an end counts as being written [s]. After this time, the
+log counts as cut off.
 """
 
 _UNREADABLE = Brief("", "", "", "", "", "", is_known=False, is_whole=False)
@@ -86,7 +84,7 @@ class Listing:
                 summary = brief_of(lambda at, count: os.pread(handle, count, at), told.st_size)
                 age = self._wall() - told.st_mtime
         except (Trouble, OSError):
-            return _UNREADABLE, _FRESH  # the log was removed meanwhile, or can't be read
+            return _UNREADABLE, _FRESH  # the log has been removed, or can't be read
         brief = summary or _UNREADABLE
         if brief.is_whole or (summary is None and age > _FRESH):
             self._known[file] = brief

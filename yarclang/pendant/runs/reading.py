@@ -18,7 +18,9 @@ LARGEST = 256 << 20
 """Largest log that is read [bytes]. A run of one hour takes about 10 MB."""
 
 AT_ONCE, WAITING = 2, 8
-"""Most logs that are read at the same time, and most further requests that may wait for that."""
+"""Largest number of logs that are read at the same time, and largest number of further requests that may wait
+for their turn.
+"""
 
 _MOST_MEMORY = 3 << 30
 """Largest address space of a process [bytes]; its libraries take 1 GiB."""
@@ -58,7 +60,7 @@ class Readings:
         if (known := self._known.get(key)) is not None:
             return known
         if self._waiting >= AT_ONCE + WAITING:
-            raise Trouble("too many logs are read just now", "try again in a moment", "busy")
+            raise Trouble("too many logs are being read", "try again in a moment", "busy")
         self._waiting += 1
         try:
             async with self._reading:
@@ -91,9 +93,9 @@ class Readings:
                     process.kill()
                     await process.wait()
         if status != 0 or not content:
-            raise Trouble(f"{_WHAT}: it takes more memory than may be used for it", _REMEDY, "large")
+            raise Trouble(f"{_WHAT}: it needs more memory than allowed", _REMEDY, "large")
         if content.startswith(b'{"refused"'):
-            raise Trouble(json.loads(content)["refused"], "look at another one", "unreadable")
+            raise Trouble(json.loads(content)["refused"], "choose another log", "unreadable")
         return bytes(content)
 
 

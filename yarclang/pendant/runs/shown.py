@@ -25,13 +25,15 @@ from yarclang.runtime.notices import Remark
 from yarclang.runtime.state import State
 
 _INTERVALS = 1000
-"""Most time intervals into which a plotted curve is divided, summed over all passes of a repeated program.
-Two points are drawn for each interval.
+"""Number of time intervals into which a plotted curve is divided at most, for all passes of a repeated
+program together. Two points are drawn for each interval.
 """
 _FEWEST = 20
-"""Fewest time intervals of one pass if there are many passes."""
+"""Number of time intervals into which the curve of a pass is divided at least, however many passes
+there are.
+"""
 _MOST_ROWS = 1500
-"""Most positions of the robot that are shown of its path."""
+"""Largest number of recorded robot positions that are drawn as the path of a run."""
 _MOST_EVENTS, _MOST_SPANS, _MOST_SIGNALS, _MOST_STRETCHES = 1000, 1000, 32, 1000
 _LONGEST = 500
 """Longest text of an event [characters]."""
@@ -230,8 +232,8 @@ def _way(run: RecordedRun) -> said.RunWay:
 
 
 def _clean(values: Array) -> Array:
-    """Return values in which non-finite and very large numbers are replaced. A forged log may contain such
-    numbers, and JSON can't represent non-finite ones.
+    """Return values without non-finite and very large numbers. A forged log may contain such numbers, and
+    JSON can't represent non-finite ones.
     """
     found: Array = np.nan_to_num(values, nan=0.0, posinf=1e12, neginf=-1e12).clip(-1e12, 1e12)
     return found
@@ -254,9 +256,9 @@ def as_json(file: str, window: Window | None = None) -> str:
     except CannotShow as why:
         refused = str(why).replace(file, "the log")
     except MemoryError:
-        refused = "the log takes more memory than may be used for it here"
+        refused = "the log needs more memory than allowed here"
     except Exception as error:  # forged numbers may raise any exception in numerics
-        refused = f"the log says what can't be ({type(error).__name__})"
+        refused = f"the log has contradictory content ({type(error).__name__})"
     return json.dumps({"refused": refused})
 
 

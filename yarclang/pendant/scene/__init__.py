@@ -1,3 +1,3 @@
-"""The robot and its surroundings in three dimensions: conversion of a stage (all that the 3D viewer draws)
-to messages and binary meshes for browsers.
+"""The robot and its surroundings in three dimensions. A stage (all that the 3D viewer draws) is converted to
+messages and binary meshes for browsers.
 """

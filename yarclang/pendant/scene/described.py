@@ -19,11 +19,11 @@ from yarclang.view.camera import first_view, shown_box
 from yarclang.view.stage import Item, Stage
 
 MOST_TRIANGLES = 600_000
-"""Most triangles of all meshes together, so that tablets can draw them. Further bodies aren't drawn, and a
-note on the page says so.
+"""Largest number of triangles of all meshes together, so that tablets can draw them. Further bodies aren't
+drawn, and a note on the page says so.
 """
 MOST_ITEMS = 2000
-"""Most bodies in a scene. Further bodies aren't drawn, and a note on the page says so."""
+"""Largest number of bodies in a scene. Further bodies aren't drawn, and a note on the page says so."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,8 +33,8 @@ class Drawn:
     Attributes:
         shown: message that describes the scene.
         meshes: meshes of the scene by their ids.
-        near: bodies and margins for the check of which bodies are too near to each other; None if this isn't
-            checked.
+        near: bodies and margins for the check whether bodies are too near to each other; None if there is no
+            such check.
         made: meshes by the bodies from which they were made, for reuse in the next scene.
     """
 
@@ -119,8 +119,8 @@ def _bounded(items: Iterable[Item]) -> tuple[tuple[Item, ...], tuple[str, ...]]:
         return tuple(drawn_items), ()
     more = f" and {len(omitted) - 3} more" if len(omitted) > 3 else ""
     note = (
-        f"not drawn, as the bodies have more than {MOST_TRIANGLES:,} triangles or are more than "
-        f"{MOST_ITEMS}: {', '.join(omitted[:3])}{more}"
+        f"not drawn, since more than {MOST_TRIANGLES:,} triangles or {MOST_ITEMS} bodies would be "
+        f"needed: {', '.join(omitted[:3])}{more}"
     )
     return tuple(drawn_items), (note,)
 

@@ -1,4 +1,4 @@
-"""Binary meshes for browsers: corners, triangles, and normals that are not smoothed across sharp edges.
+"""Binary meshes for browsers: corners, triangles, and normals. Normals aren't smoothed across sharp edges.
 The id of a mesh is a hash of its content.
 """
 
@@ -15,13 +15,13 @@ from yarclang.robot.model import Array
 from yarclang.view.stage import Rows
 
 _EDGE = np.cos(np.deg2rad(35.0))
-"""Cosine of 35 deg: the common edge of two faces is drawn sharp if the angle between their normals is
-larger.
+"""Cosine of 35 deg. The edge between two faces is drawn sharp if the angle between their normals is larger
+than this angle.
 """
 _MOST_AROUND = 64
-"""Most faces around one corner that are compared when normals are averaged."""
+"""Largest number of faces around one corner that are compared when normals are averaged."""
 _LARGE = 4096
-"""Size from which a mesh is also stored compressed [bytes]."""
+"""Size above which a mesh is also stored in compressed form [bytes]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,12 +60,13 @@ def blob_of(solid: Solid) -> Blob:
 
 
 def creased(solid: Solid) -> tuple[Array, Array, Rows]:
-    """Compute a normal for each corner of each face of a body. It is the mean of the normals of those faces
-    around the corner whose normals differ little from the normal of this face.
+    """Compute the normals with which a body is drawn, one for each corner of each face. A normal is the mean
+    of the normals of the faces around the corner. Faces that are bent against the corner's own face by more
+    than 35 deg (`_EDGE`) are left out of the mean.
 
     Returns:
         Three arrays: corners (V, 3), the normals of these corners (V, 3), and the indices of each face's
-            corners (F, 3). A corner is repeated for each of its normals.
+        corners (F, 3). A corner is repeated for each of its normals.
     """
     faces = solid.faces
     corners = solid.vertices[faces]
@@ -100,8 +101,8 @@ def _means(at: Rows, face_of_corner: Rows, flat: Array, across: Array) -> Array:
     count, begin = np.repeat(counts, counts), np.repeat(begins, counts)
     mine = face_of_corner[order]
     rows = np.arange(len(at))
-    # In round `step`, each corner of a face looks at the face that is `step` places further in the group of
-    # faces around the same place.
+    # The corners are sorted by place, so that corners at one place form a group. In round `step`, each corner
+    # is compared with the corner of its group that follows `step` positions later (cyclically).
     for step in range(min(int(counts.max(initial=0)), _MOST_AROUND)):
         rows = rows[count[rows] > step]
         here, other = mine[rows], mine[begin[rows] + (rank[rows] + step) % count[rows]]

@@ -21,14 +21,12 @@ from yarclang.view.stage import Stage
 from yarclang.view.surroundings import surroundings_of
 from yarclang.view.track import Curves, way_of_curves
 
-_UNPLANNED = (
-    "only the controller's text is known: frames of the program, and how its parts are moved, aren't shown"
-)
+_UNPLANNED = "only the controller text is known: frames of the program and motions of its parts aren't shown"
 
 
 def stage_of_loaded(robot: Robot, loaded: Loaded) -> Stage:
-    """Return the stage of a program before it is run. Its times are those of the program's `course`, in which
-    the coordinator reports the motion over time.
+    """Return the stage of a program before it is run. Its times are those of the program, as in the
+    coordinator's reply to the order `course`.
 
     Args:
         robot: robot that runs the program.
@@ -74,7 +72,7 @@ def _noted(stage: Stage, title: str, notes: tuple[str, ...]) -> Stage:
 
 def _parts(robot: Robot, plan: MotionPlan, longest: set[int]) -> ShownParts | None:
     """Return where the workpieces (parts) are at each time of the program; None if the program moves none.
-    Only the longest branches of the program are shown; what other branches do to the parts is left out.
+    Only the actions in the longest branches of the program are considered.
     """
     ends = {one.step: one.curve.points[-1] for one in plan.motions}
     left_out = [number for number in range(len(plan.program.steps)) if number not in longest]

@@ -1,5 +1,5 @@
-"""Displacements of a robot's links for given joint positions, as positions and quaternions, so that pages
-don't need the kinematics.
+"""Displacements of a robot's links for given joint positions, as positions and quaternions. With them, pages
+can draw the robot without computing kinematics.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from yarclang.transforms import quaternions
 
 
 def moved_links(chain: Chain, q: Array) -> Array:
-    """Compute how far the links of a robot are displaced from their poses with all joints at zero.
+    """Compute the displacements of a robot's links from their poses with all joints at zero.
 
     Args:
         chain: kinematic chain with n joints.
@@ -20,12 +20,13 @@ def moved_links(chain: Chain, q: Array) -> Array:
 
     Returns:
         Transforms (N, n, 4, 4) in {B} that move each link from its pose with all joints at zero to its pose
-        at q. Matrix k belongs to the link that joint k carries, so the first k + 1 joints move it.
+        at q. Matrix k is that of the link that joint k carries.
     """
     count = len(q)
     moved = np.empty((count, chain.size, 4, 4))
     before = np.broadcast_to(np.eye(4), (count, 4, 4))
-    # Product of exponentials: the first k joints displace a link by the product of their screw motions.
+    # Product of exponentials: a link is displaced by the product of the screw motions of all joints before
+    # it.
     for joint in range(chain.size):
         step = np.zeros((count, 4, 4))
         step[:, :3, :3], step[:, :3, 3] = joint_transform(chain.screws[joint], q[:, joint])

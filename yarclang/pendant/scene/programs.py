@@ -28,17 +28,19 @@ from yarclang.robot.model import Robot
 from yarclang.runtime.actions import Trouble
 
 _MOST = 8
-"""Most sessions for which the scene of a program is cached, one scene each. If there are more, the scene
-that was used longest ago is dropped.
+"""Largest number of sessions for which a scene is cached, one scene for each. If there are more, the scene
+that wasn't used for the longest time is dropped.
 """
 _MOST_LOADS = 4
-"""Most orders `load` that are stored for each session: those of the programs that it has loaded last."""
+"""Number of orders `load` that are stored for each session. Only the latest orders are kept."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Kept:
-    """A cached scene of a program. A restarted coordinator numbers its programs from the beginning again,
-    so a number identifies a program only together with the seat, the session's client of the coordinator.
+    """A cached scene of a program.
+
+    A program is identified by its number together with the seat (the session's client of the coordinator).
+    The number alone isn't enough, because a restarted coordinator counts from the beginning again.
     """
 
     seat: Attached
@@ -48,7 +50,7 @@ class _Kept:
 
 
 class ProgramScenes:
-    """Scenes of loaded programs. Each is drawn once and then cached.
+    """Scenes of loaded programs. Each scene is made once and then cached.
 
     Args:
         robot: the robot.
@@ -73,7 +75,7 @@ class ProgramScenes:
             number: number of the program.
             order: the order, with the paths of its files.
         """
-        if self._seats.taken(session) is None:  # the session has ended meanwhile
+        if self._seats.taken(session) is None:  # the session has ended while the program was loaded
             return
         loads = self._loads.setdefault(session.id, OrderedDict())
         loads[number] = order
@@ -110,7 +112,7 @@ class ProgramScenes:
                 return before.drawn
             loaded = await self._loaded(session, seat, number)
             drawn = await asyncio.to_thread(self._draw, loaded)
-            if self._seats.taken(session) is not seat:  # the session has ended meanwhile
+            if self._seats.taken(session) is not seat:  # the session has ended while the scene was drawn
                 raise _unknown(number)
             # A page may still request meshes of the previous scene.
             meshes = {**(before.drawn.meshes if before else {}), **drawn.meshes}
@@ -173,7 +175,7 @@ def _again(robot: Robot, order: orders.Load, course: ProgramCourse, cell: str | 
     made = load(Source(order.file, order.text, options=options, program=order.source), robot, stands)
     found = made.value
     if found is None or _sha256(found.program.source) != course.sha256:
-        what = f"{Path(order.file).name} isn't what was loaded any more: its own cell can't be shown"
+        what = f"{Path(order.file).name} has changed since it was loaded: its cell can't be shown"
         raise Trouble(what, "load it again", "")
     return found
 

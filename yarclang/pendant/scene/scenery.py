@@ -1,5 +1,5 @@
-"""The three-dimensional scene of the robot in its cell, which all pages share. It is made again after a
-change of the cell, of the workpieces (parts) in it, or of the robot's description.
+"""The three-dimensional scene of the robot in its cell, which all pages share. It is made again when the
+cell, the workpieces (parts) in it, or the robot's description have changed.
 """
 
 from __future__ import annotations
@@ -32,14 +32,14 @@ from yarclang.view.reaching import Place, read_place
 from yarclang.view.stage import Stage
 
 _EACH = 0.25
-"""Time between two checks for bodies that are too near [s]."""
+"""Time between two checks of the distances between bodies [s]."""
 _LOOKS = 4
-"""Number of checks after which the coordinator is asked for cell and parts again."""
+"""Number of distance checks after which the coordinator is asked again for the cell and the parts."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Seen:
-    """Data from which the last scene was made; it is made again when they change."""
+    """Data from which the last scene was made. If the data change, the scene is made again."""
 
     around: tuple[str, str | None]
     place: Place
@@ -118,7 +118,7 @@ class Scenery:
                 if names:
                     self._showing.stopped_by = names
                 if not warning:
-                    self._changed.set()  # an order may have moved parts
+                    self._changed.set()  # the message may report that a user has moved parts
             case _:
                 pass
 
@@ -156,7 +156,7 @@ class Scenery:
 
     def _empty(self, place: Place) -> Stage:
         """Return the stage (all that is drawn) of the robot in its cell, without workpieces (parts). It is
-        reused, because only the parts change while the robot works.
+        reused: while the robot works, only the parts change.
         """
         stage = stage_of_live(self._robot, place.cell, self._robot.home, parts=Parts(()))
         return replace(stage, notes=(*place.notes, *stage.notes))
@@ -166,8 +166,8 @@ class Scenery:
         return drawn(replace(stage, items=(*stage.items, *items), notes=(*stage.notes, *notes)), self._drawn)
 
     async def _parts(self, attached: Attached, cell: Cell | None, before: Parts | None) -> Parts:
-        """Return where the workpieces (parts) of a cell are. During a run this follows from the outputs
-        that the program has set; otherwise the coordinator reports it.
+        """Return the places of the workpieces (parts) of a cell. During a run they follow from the outputs
+        that the program has set. Otherwise the coordinator reports them.
         """
         first = first_parts(cell)
         if cell is None or not cell.parts:
@@ -178,7 +178,7 @@ class Scenery:
             return await asyncio.to_thread(parts_after, self._robot, cell, before, switched)
         try:
             told = await attached.ask(orders.AskParts())
-        except Trouble:  # the session's own cell has no parts
+        except Trouble:  # the cell that the session uses has no parts
             return first if before is None else before
         return parts_told(cell, told) or (first if before is None else before)
 
@@ -210,8 +210,8 @@ async def _came_within(event: asyncio.Event, within: float) -> bool:
 
 
 def parts_told(cell: Cell, reply: replies.Parts) -> Parts | None:
-    """Convert the coordinator's reply about workpieces (parts) to their positions in a cell; None if the
-    reply names parts that the cell doesn't have.
+    """Convert the coordinator's reply about workpieces (parts) to `Parts` of a cell; None if the reply names
+    parts that the cell doesn't have.
     """
     kinds = {part.body.name: part for part in cell.parts}
     variables = {name: told_part.variable for name, told_part in cell.outputs.items()}
@@ -236,7 +236,7 @@ def parts_told(cell: Cell, reply: replies.Parts) -> Parts | None:
 
 
 def placed(robot: Robot, request: Placements) -> bytes:
-    """Return the displacements of the links from their poses with all joints at zero, for N joint positions.
+    """Return the displacements of the links, from their poses with all joints at zero, for N joint positions.
     The bytes are float32 (N, n, 7), little endian: x y z [m] and the quaternion x y z w.
 
     Raises:
@@ -247,6 +247,6 @@ def placed(robot: Robot, request: Placements) -> bytes:
             what = (
                 f"row {number + 1} has {len(row)} joint positions, and {robot.name} has {robot.size} joints"
             )
-            raise Trouble(what, "give one for each joint", "")
+            raise Trouble(what, "give one value per joint", "")
     q = np.array(request.joints, dtype=float).reshape(-1, robot.size) * robot.axis_units
     return packed(moved_links(robot.chain, q)).astype("<f4").tobytes()

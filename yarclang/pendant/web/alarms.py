@@ -30,7 +30,7 @@ from yarclang.runtime.actions import Trouble
 
 _MOST_LISTED = 500
 _MOST_TOLD = 40
-"""Most numbers of alarms in one entry of the audit trail."""
+"""Largest number of alarms that one entry of the audit trail lists."""
 
 
 async def _list(service: Service, request: Request) -> Response:
@@ -156,7 +156,7 @@ ROUTES = (
     Route("GET", "/api/alarms/{number}", _alarm_by_number, "Return an alarm.", None, AlarmShown, "viewer"),
     Route("POST", "/api/alarms/acknowledge", _acknowledge, "Acknowledge alarms, for all screens.",
         Acknowledge, Acknowledged, "operator"),
-    Route("GET", "/api/findings/{code}", _finding, "Return what the catalogue of findings says of a code.",
+    Route("GET", "/api/findings/{code}", _finding, "Return the explanation of a finding by its code.",
         None, FindingShown, "viewer"),
 )  # fmt: skip
 """All routes of this file."""

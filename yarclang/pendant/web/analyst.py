@@ -13,7 +13,7 @@ from yarclang.pendant.messages.language import Language
 from yarclang.pendant.web.answers import answer
 from yarclang.pendant.web.routes import Route
 from yarclang.pendant.web.service import Service
-from yarclang.pendant.web.sockets import let_in, until_it_ends
+from yarclang.pendant.web.sockets import let_in, text_from, until_it_ends
 from yarclang.runtime.actions import Trouble
 
 _NO_ROOM = 4409
@@ -32,7 +32,7 @@ async def analyse(service: Service, analysts: Analysts, socket: WebSocket) -> No
 
             async def receive() -> None:
                 while True:
-                    await analyst.take(await socket.receive_text())
+                    await analyst.take(await text_from(socket))
 
             await until_it_ends(service, socket, session, analyst.run(), receive())
     except Trouble as trouble:

@@ -10,7 +10,7 @@ from importlib import resources
 from importlib.resources.abc import Traversable
 
 from starlette.applications import Starlette
-from starlette.requests import Request
+from starlette.requests import ClientDisconnect, Request
 from starlette.responses import Response
 from starlette.routing import BaseRoute, WebSocketRoute
 from starlette.routing import Route as Served
@@ -35,7 +35,7 @@ from yarclang.pendant.web import (
     workspace,
 )
 from yarclang.pendant.web.answers import refusal
-from yarclang.pendant.web.guard import BOUND, App, Guard, TooLarge
+from yarclang.pendant.web.guard import BOUND, App, Guard, TooLarge, TooSlow
 from yarclang.pendant.web.openapi import document
 from yarclang.pendant.web.routes import Route
 from yarclang.pendant.web.service import Service
@@ -106,6 +106,10 @@ def _served(service: Service, route: Route) -> Callable[[Request], Awaitable[Res
             return await route.serve(service, request)
         except Trouble as trouble:
             return refusal(trouble)
+        except TooSlow:
+            return refusal(Trouble("the request arrives too slowly", "try again", ""))
+        except ClientDisconnect:
+            return Response(status_code=400)  # nobody receives it
         except TooLarge:
             return refusal(Trouble(f"the request is longer than {route.most:,} bytes", "send less", ""))
 

@@ -33,8 +33,8 @@ from yarclang.runtime.actions import Trouble
 
 _MOST_SHOWN = 2000
 _SILENCE = 30.0
-"""Longest time until a client accepts the next piece of a download [s]. Otherwise a client that stops
-reading would block other backups.
+"""Longest time that a client may take to accept the next piece of a download [s]. After it the download is
+aborted, so that a client that stops reading doesn't block other backups.
 """
 
 
@@ -64,7 +64,7 @@ class _Zip(StreamingResponse):
                 await super().__call__(scope, receive, sent)  # type: ignore[arg-type]  # a message is a dict
         finally:
             self._told_end(outcome)
-            with contextlib.suppress(ValueError):  # a thread is still reading and ends by itself
+            with contextlib.suppress(ValueError):  # a thread is still reading; it ends by itself
                 self._pieces.close()
 
 
@@ -114,7 +114,7 @@ async def _about(service: Service, request: Request) -> Response:
 
 
 def _outside(service: Service) -> tuple[str, ...]:
-    """Return the names of the files that a backup doesn't contain, in words."""
+    """Return the names of files that no backup contains, in words."""
     root, notes = service.files.folder.root, []
     if not service.robot.folder.resolve().is_relative_to(root):
         notes.append(
@@ -123,8 +123,10 @@ def _outside(service: Service) -> tuple[str, ...]:
         )
     logs = service.log_folders.folder
     if logs and service.log_folders.is_elsewhere:
-        notes.append("Motions are logged in a folder outside of the project: those logs aren't in the backup")
-    notes.append("Users, the audit trail, alarms and hidden files (such as .git) aren't in the backup")
+        notes.append(
+            "Motions are logged in a folder outside of the project: the backup doesn't include these logs"
+        )
+    notes.append("The backup doesn't include users, the audit trail, alarms and hidden files (such as .git)")
     return tuple(notes)
 
 
@@ -139,7 +141,7 @@ async def _upload(service: Service, request: Request) -> Response:
     try:
         made = await service.backups.upload(session, address_of(request), length, request.stream())
     except ClientDisconnect:
-        raise Trouble("the upload was broken off", "try again", "") from None
+        raise Trouble("the upload was interrupted", "try again", "") from None
     return answer(shown(service.backups, made))
 
 
@@ -147,7 +149,7 @@ async def _plan(service: Service, request: Request) -> Response:
     session = service.session(request, Role.SERVICE)
     found = await service.backups.waiting(session)
     if found is None:
-        raise Trouble("no backup of yours waits to be restored", "upload one", "missing")
+        raise Trouble("you have no uploaded backup to restore", "upload one", "missing")
     return answer(shown(service.backups, found))
 
 
@@ -206,24 +208,22 @@ def _notes(backups: Backups, upload: Upload) -> tuple[str, ...]:
     """Return the remarks about a backup, in sentences."""
     manifest, edited, notes = upload.backup.manifest, upload.backup.edited, []
     if manifest is None:
-        return ("The backup has no list: it wasn't made by System > Backup, or its list was removed",)
+        return ("The backup has no file list: it wasn't made by System > Backup, or the list was removed",)
     if manifest.head.robot != backups.robot.name:
         notes.append(
             f"The backup is of the robot {manifest.head.robot}, and this pendant has {backups.robot.name}"
         )
     elif manifest.head.fingerprint != backups.robot.fingerprint:
-        notes.append(f"{manifest.head.robot} was described otherwise when the backup was made")
+        notes.append(f"{manifest.head.robot} has changed since the backup was made")
     if edited:
         more = f" and {len(edited) - 1} others" if len(edited) > 1 else ""
-        notes.append(
-            f"{edited[0]}{more} isn't as it was when the backup was made: somebody has changed the zip"
-        )
+        notes.append(f"{edited[0]}{more} has changed since the backup was made: the zip was edited")
     if manifest.left_out:
         notes.append(
             f"{len(manifest.left_out)} files couldn't be backed up, such as {manifest.left_out[0].file}"
         )
     if changing := [one.file for one in manifest.files if one.changing]:
-        notes.append(f"{changing[0]} was being written while it was backed up")
+        notes.append(f"{changing[0]} was being changed during the backup")
     return tuple(notes)
 
 

@@ -52,7 +52,7 @@ def _ending(way: How) -> Serve:
         await service.life.may(way)
         if service.watched.showing.under_way and not asked.stop and _is_ended_by(service):
             what = f"{service.watched.showing.under_way} is under way"
-            raise Trouble(what, "wait for its end, or let it be stopped on its path first", "under-way")
+            raise Trouble(what, "wait for its end, or stop it first", "under-way")
         await service.accounts.did(Deed(session.user, address_of(request), way))
         if _is_ended_by(service):
             await _rested(service)
@@ -88,7 +88,7 @@ async def _rested(service: Service) -> None:
         if loop.time() > until:
             raise Trouble(
                 f"{showing.under_way} isn't at rest {_RESTS:g} s after it was stopped",
-                "look at the robot; use the emergency stop if it moves and shouldn't",
+                "inspect the robot; if it moves although it shouldn't, press the emergency stop",
                 "",
             )
         await asyncio.sleep(_LOOKED_EACH)

@@ -46,7 +46,7 @@ from yarclang.runtime.actions import Trouble
 
 _MOST_LISTED = 10_000
 _MOST_SAVED = 6 * MOST_TEXT + 1000
-"""Longest body of a request that saves a text [bytes]. JSON may write a character as six bytes."""
+"""Longest body of a request that saves a text [bytes]. JSON may need six bytes for one byte of the text."""
 _PIECE = 1 << 18
 
 _Kind = Literal["folder", "program", "text", "picture", "other"]
@@ -110,8 +110,8 @@ async def _download(service: Service, request: Request) -> Response:
 
 
 async def pieces(opening: ExitStack, handle: int, size: int) -> AsyncIterator[bytes]:
-    """Yield the first `size` bytes of a file, then close it. If the file has been shortened meanwhile, the
-    connection ends, so that the browser reports an error.
+    """Yield the first `size` bytes of a file, then close it. If the file has become shorter, the connection
+    ends, so that the browser reports an error.
 
     Args:
         opening: context that closes the file.
@@ -159,7 +159,7 @@ async def _upload(service: Service, request: Request) -> Response:
     except Changed as changed:
         return other(changed)
     except ClientDisconnect:
-        raise Trouble("the upload was broken off", "try again", "") from None
+        raise Trouble("the upload was interrupted", "try again", "") from None
     return answer(_written(written))
 
 

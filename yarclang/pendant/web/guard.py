@@ -4,6 +4,7 @@ origin and its size. All responses get headers that restrict what browsers do wi
 
 from __future__ import annotations
 
+import asyncio
 import json
 from collections.abc import Awaitable, Callable, MutableMapping
 from dataclasses import dataclass
@@ -18,6 +19,11 @@ App = Callable[[Scope, Receive, Send], Awaitable[None]]
 
 MOST_BODY = 1 << 20
 """Longest body of a request if its route sets no other limit [bytes]."""
+
+_SILENCE = 30.0
+"""Longest time without data in a body [s]."""
+_START, _SLOWEST = 60.0, 10_000
+"""Longest time of a body: `_START` [s], plus its size divided by `_SLOWEST` [bytes/s]."""
 
 BOUND = "yarclang.bound"
 """Key of the size limit in a request's scope."""
@@ -85,13 +91,12 @@ class Guard:
         address, port = scope["server"] or ("", 0)
         if len(hosts) != 1 or not is_called(hosts[0], int(port or 0), self._names | {str(address)}, scheme):
             return (
-                f"the pendant is not known by this name. On this machine it is at "
-                f"{scheme}://localhost:{port}; "
-                "start it with --name NAME for another name."
+                f"this host name isn't allowed. On this computer use {scheme}://localhost:{port}; to "
+                "allow another name, start the pendant with --name NAME."
             )
         if len(origins) > 1 or not is_own(origins[0] if origins else None, hosts[0], scheme):
             return "pages of other sites are refused"
-        # Another site may link to the pages, but must not send any other request.
+        # A link on another site may open the pages. All other requests from other sites are refused.
         is_link = (
             scope["type"] == "http" and scope["method"] == "GET" and not scope["path"].startswith("/api/")
         )
@@ -104,6 +109,10 @@ class TooLarge(Exception):  # noqa: N818 - it is an answer
     """Raised if the body of a request is longer than its route allows."""
 
 
+class TooSlow(Exception):  # noqa: N818 - it is an answer
+    """Raised if the body of a request doesn't arrive in time."""
+
+
 @dataclass(slots=True)
 class Bound:
     """Longest body of a request [bytes]. A route with another limit sets it here before the body is read."""
@@ -112,16 +121,26 @@ class Bound:
 
 
 def _bounded(receive: Receive, bound: Bound) -> Receive:
-    """Return a receiver that raises `TooLarge` if the body exceeds the limit."""
-    size = 0
+    """Return a receiver that raises `TooLarge` if the body exceeds the limit, and `TooSlow` if it doesn't
+    arrive in time.
+    """
+    clock = asyncio.get_running_loop().time
+    begun, size, is_complete = clock(), 0, False
 
     async def received() -> MutableMapping[str, Any]:
-        nonlocal size
-        message = await receive()
+        nonlocal size, is_complete
+        if is_complete:
+            return await receive()
+        left = begun + _START + size / _SLOWEST - clock()
+        try:
+            message = await asyncio.wait_for(receive(), min(left, _SILENCE))
+        except TimeoutError:
+            raise TooSlow from None
         if message["type"] == "http.request":
             size += len(message.get("body", b""))
             if size > bound.most:
                 raise TooLarge
+        is_complete = not message.get("more_body", False)
         return message
 
     return received

@@ -88,7 +88,7 @@ async def _robot(service: Service) -> tuple[tuple[str, str], ...]:
         simulated = ", simulated" if attached.welcome.simulated else ""
         controller = f"{title_of(robot.controller.kind)}{simulated}, {status.state.value}"
     except Trouble:
-        pass  # the page shows the rest without it
+        pass  # the page shows everything else without the controller's state
     return ("Controller", controller), ("Robot", robot.name), ("Fingerprint of the robot", robot.fingerprint)
 
 

@@ -1,5 +1,5 @@
 """HTTP routes for a program that is being edited: its list of commands, changes of commands, the forms in
-which commands are edited, and templates. They write no file.
+which commands are edited, and templates. No route writes a file.
 """
 
 from __future__ import annotations
@@ -98,8 +98,8 @@ def _joint_positions(robot: Robot, values: tuple[float, ...]) -> Array:
         Trouble: the number of joints is wrong, or a position is beyond its limits.
     """
     if len(values) != robot.size:
-        problem = f"{len(values)} joint values were given; {robot.name} has {robot.size} joints"
-        raise Trouble(problem, "give one a joint", "joints")
+        problem = f"{len(values)} joint values are given; {robot.name} has {robot.size} joints"
+        raise Trouble(problem, "give one value per joint", "joints")
     q = np.array(values) * robot.axis_units
     for at, name in enumerate(robot.joint_names):
         lower, upper = robot.limits.lower[at], robot.limits.upper[at]
@@ -138,10 +138,10 @@ def _changed(
 
 
 def _with_names(named: Around, change: said.ProgramChange, joints: Array | None) -> Edited:
-    """Carry out a change that needs the meaning of names in the program."""
+    """Carry out a change that needs the meanings of the names in the program, such as a taught motion."""
     if isinstance(change, said.InsertCommand):
         return forms.put_in(named, change.after, change.command, change.fields)
-    assert joints is not None  # a change that teaches a position has joints, given or from the robot
+    assert joints is not None  # such a change has joint positions, from the request or the robot
     match change:
         case said.TeachMotion():
             taught = motions.Taught(
@@ -186,7 +186,7 @@ def _text_edits(program: Program, edited: Edited) -> Iterable[said.TextEdit]:
 
 
 def _as_browsers(program: Program, line: int, column: int) -> int:
-    """Convert a column to UTF-16 code units, which browsers count."""
+    """Convert a column to UTF-16 code units, in which browsers count."""
     return column + sum(ord(one) > 0xFFFF for one in program.content(line)[: column - 1])
 
 

@@ -14,7 +14,8 @@ from yarclang.coordinator.messages import orders, wants
 from yarclang.coordinator.messages.lines import MOST_LINE, name_of, read_order
 from yarclang.coordinator.messages.orders import Order
 from yarclang.coordinator.messages.replies import Denied, Done
-from yarclang.pendant.accounts.roles import NEEDS, Role
+from yarclang.pendant.accounts.roles import AUDITED, NEEDS, Role
+from yarclang.pendant.gate import AT_ONCE
 from yarclang.pendant.jogging import TURN
 from yarclang.pendant.messages.display import Notice
 from yarclang.pendant.messages.reading import Malformed
@@ -23,14 +24,18 @@ from yarclang.pendant.web.answers import answer, body
 from yarclang.pendant.web.routes import Route, Serve
 from yarclang.pendant.web.service import Service, address_of
 from yarclang.robot.model import Robot
+from yarclang.runtime.actions import Trouble
 from yarclang.units import MM
 
 OVER_HTTP: dict[type[Order[Any]], Role] = {
     kind: role for kind, role in NEEDS.items() if kind not in (*wants.KINDS, orders.Steer, orders.Leave)
 }
-"""Orders that can be given over HTTP, each with a route of its own, with the required roles. They are also
-accepted on the WebSocket of a page. Hold-to-run motions use the WebSocket for jogs instead.
+"""Orders that can be given over HTTP, each by a route of its own, with the required roles. The WebSocket of a
+page accepts them as well. Hold-to-run motions need the WebSocket for jogs instead.
 """
+
+_BEAT = "x-yarc-beat"
+"""Header with the last heartbeat that a page has received. Without it, the age of a request isn't checked."""
 
 
 def order_in(text: bytes) -> tuple[Order[Any], int | str | None]:
@@ -44,8 +49,8 @@ def order_in(text: bytes) -> tuple[Order[Any], int | str | None]:
     if isinstance(order.what, Denied):
         raise Malformed(order.what.error, order.what.help or "see the API's page", "")
     if type(order.what) not in OVER_HTTP:
-        what = f"{name_of(order.what)} isn't ordered this way"
-        raise Malformed(what, "motions that are held go by the socket /api/jog", "")
+        what = f"{name_of(order.what)} can't be ordered here"
+        raise Malformed(what, "send hold-to-run motions over the socket /api/jog", "")
     return order.what, order.id
 
 
@@ -55,12 +60,29 @@ def _order_route(kind: type[Order[Any]]) -> Route:
     async def serve(service: Service, request: Request) -> Response:
         session = service.session(request)
         asked = await body(request, kind)
+        if kind in AUDITED and kind not in AT_ONCE:
+            _check_fresh(service, request)
         service.accounts.used(session)
         return answer(await service.gate.order(session, asked, address_of(request)))
 
     summary = (kind.__doc__ or "").strip().split("\n\n")[0]
     made: Serve = serve
     return Route("POST", f"/api/orders/{word}", made, summary, kind, kind.answer, OVER_HTTP[kind].value)
+
+
+def _check_fresh(service: Service, request: Request) -> None:
+    """Check that the request of a page wasn't delayed on its way. A page names the last heartbeat that it has
+    received. If the network or this process stood still, the user has seen that the connection was lost, and
+    doesn't expect any more that the robot moves.
+
+    Raises:
+        Trouble: the request is too old.
+    """
+    beat = request.headers.get(_BEAT, "")
+    if beat and not (
+        beat.isascii() and beat.isdigit() and len(beat) < 16 and service.watched.is_fresh(int(beat))
+    ):
+        raise Trouble("the order came too late; nothing was done", "the network is slow: order it again", "")
 
 
 async def _robot(service: Service, request: Request) -> Response:
@@ -119,6 +141,8 @@ async def _give_control(service: Service, request: Request) -> Response:
     service.accounts.used(session)
     asked = await body(request, GiveControl)
     if asked.refuse:
+        if not service.gate.owns(session):
+            raise Trouble("you don't control the robot", "take control first", "")
         service.watched.notice(Notice(text=f"{session.user} keeps control of the robot"), asked.to)
         return answer(Done())
     return answer(await service.gate.give_control(session, asked.to, address_of(request)))
@@ -126,7 +150,7 @@ async def _give_control(service: Service, request: Request) -> Response:
 
 async def _programs(service: Service, request: Request) -> Response:
     service.session(request)
-    # List the files in a thread: a folder may contain 100,000 files, and this event loop streams to the
+    # List the files in a thread. A folder may contain 100,000 files, and this event loop also streams to the
     # robot.
     return answer(await asyncio.to_thread(service.gate.programs))
 

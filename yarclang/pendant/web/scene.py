@@ -20,7 +20,7 @@ from yarclang.runtime.actions import Trouble
 _FOR_EVER = "private, max-age=31536000, immutable"
 _BYTES = "application/octet-stream"
 _DIGITS = 9
-"""Most digits of a program's number."""
+"""Largest number of digits of a program number in a request."""
 
 
 async def _scene(service: Service, request: Request) -> Response:

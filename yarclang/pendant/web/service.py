@@ -177,8 +177,8 @@ class Service:
         )
 
     def session(self, connection: HTTPConnection, role: Role = Role.VIEWER, *, pin: bool = False) -> Session:
-        """Return the session to which a request or a WebSocket belongs, by its cookie. Check the user's
-        rights.
+        """Return the session to which a request or a WebSocket belongs, according to its cookie. Check the
+        user's rights.
 
         Args:
             connection: the request or WebSocket.

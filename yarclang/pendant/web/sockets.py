@@ -32,11 +32,14 @@ _ENDED = 4401
 _REFUSED = 4403
 """Code with which a WebSocket is closed because its user lacks the required role."""
 
+_BINARY = 1003
+"""Code with which a WebSocket is closed because its page has sent a binary message."""
+
 _MOST_WAITING = 8
-"""Most orders of one page that are carried out at the same time."""
+"""Largest number of orders of one page that are carried out at the same time."""
 
 _LOOKED_EACH = 5.0
-"""Time between two checks whether the session has ended [s]."""
+"""Time between two checks if the session has ended [s]."""
 
 
 async def watch(service: Service, socket: WebSocket) -> None:
@@ -65,9 +68,9 @@ async def watch(service: Service, socket: WebSocket) -> None:
 
         async def receive() -> None:
             while True:
-                text = await socket.receive_text()
+                text = await text_from(socket)
                 if len(carried_out) >= _MOST_WAITING:
-                    page.tell(_written(Denied(error="too many orders wait for their ends"), _id(text)))
+                    page.tell(_written(Denied(error="too many orders are pending"), _id(text)))
                     continue
                 task = asyncio.create_task(_carried_out(service, socket, session, page, text))
                 carried_out.add(task)
@@ -111,7 +114,7 @@ async def jog(service: Service, socket: WebSocket) -> None:
 
     async def receive() -> None:
         while True:
-            text = await socket.receive_text()
+            text = await text_from(socket)
             try:
                 line.take(read(text, LetGo) if '"release"' in text else read(text, Press))
             except Trouble as trouble:
@@ -129,8 +132,8 @@ async def let_in(service: Service, socket: WebSocket, role: Role = Role.VIEWER) 
         role: role that the user needs.
 
     Returns:
-        The session of the page; None if nobody is logged in or the role isn't sufficient. Then the WebSocket
-        has been closed.
+        The session of the page. None if nobody is logged in or the role isn't sufficient; the WebSocket is
+        then closed already.
     """
     await socket.accept()
     try:
@@ -138,6 +141,22 @@ async def let_in(service: Service, socket: WebSocket, role: Role = Role.VIEWER) 
     except NotAllowed as refused:
         await socket.close(_ENDED if refused.code == "login" else _REFUSED, refused.what[:100])
         return None
+
+
+async def text_from(socket: WebSocket) -> str:
+    """Wait for the next message of a page, and return its text. Close the WebSocket if the message is binary.
+
+    Raises:
+        WebSocketDisconnect: the page has gone, or its WebSocket was closed.
+    """
+    message = await socket.receive()
+    if message["type"] == "websocket.disconnect":
+        raise WebSocketDisconnect(message["code"], message.get("reason"))
+    text: str | None = message.get("text")
+    if text is None:
+        await socket.close(_BINARY, "only texts are accepted")
+        raise WebSocketDisconnect(_BINARY)
+    return text
 
 
 async def until_it_ends(

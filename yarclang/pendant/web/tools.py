@@ -80,7 +80,7 @@ def _tools_shown(
 
 
 def _origin(frame: NamedFrame, robot: Robot, cell: Cell | None) -> said.Origin:
-    """Return where a frame is declared: in which file, or in the session. A frame of the session hides one
+    """Return the place of a frame's declaration: a file, or the session. A frame of the session hides a frame
     of the same name in cell.toml.
     """
     name = frame.name.strip("{}").upper()
@@ -95,7 +95,7 @@ def _origin(frame: NamedFrame, robot: Robot, cell: Cell | None) -> said.Origin:
 
 
 def _tools_in_file(file: RobotFile) -> list[said.ToolKnown]:
-    """Return the tools of a file, without values that are invalid."""
+    """Return the tools of a file. Their invalid values are left out."""
     from yarclang.robot.draft import read_draft
 
     tools = read_draft(file.data).table.tools

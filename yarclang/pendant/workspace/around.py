@@ -1,5 +1,5 @@
-"""The files that describe a workspace (cell.toml and robot.toml): their paths, their content, and their
-content with a draft, that is, with unsaved changes. The functions wait for the disk.
+"""The files that describe a workspace: cell.toml and robot.toml. This module finds and reads them, and
+computes their content with a draft (unsaved changes). The functions wait for the disk.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from yarclang.source import SourceFile
 from yarclang.toml.reading import read_text
 
 _WIDER = "Y1355"
-"""Code of the finding for a limit that is wider than that of the URDF."""
+"""Code of the finding for a joint limit in robot.toml that is wider than the limit in the URDF."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +63,8 @@ def around_of(folder: ProjectFolder, surroundings: Surroundings) -> Around:
     text, reason = None, ""
     if cell is None:
         reason = "there is no cell: make one, or name one in yarc.toml"
-        # The coordinator doesn't use a cell that can't be read, but the file can be repaired here.
+        # The coordinator doesn't use a cell whose file can't be read. But users must be able to repair the
+        # file here.
         project = find_project(folder.root)
         if project.value is None:
             reason = f"{FILE_NAME} can't be read: {project.diagnostics[0].message}"
@@ -76,7 +77,7 @@ def around_of(folder: ProjectFolder, surroundings: Surroundings) -> Around:
             reason = f"{trouble.what}: {trouble.remedy}"
             if not cell.resolve().is_relative_to(folder.root):
                 reason = (
-                    f"{cell} is outside of the project: change it on the computer itself, or copy it "
+                    f"{cell} is outside of the project: change it on the pendant's computer, or copy it "
                     f"into the project and name it in yarc.toml"
                 )
     path = Path(surroundings.robot) / DESCRIPTION
@@ -124,8 +125,8 @@ def shown_of(robot: Robot, around: Around) -> WorkspaceShown:
 
 
 def _read(path: Path) -> SourceFile | None:
-    """Read a file, which may be outside of the project; None if it can't be read. Such a file is shown,
-    but can't be changed.
+    """Return the content of a file, which may be outside of the project; None if it can't be read. A file
+    outside of the project is shown, but can't be changed.
     """
     read = read_text(path, "")
     return None if isinstance(read, Diagnostic) else read

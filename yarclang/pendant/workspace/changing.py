@@ -16,8 +16,8 @@ from yarclang.toml.changes import ChangeError, with_table, with_value, without
 _BY_HAND = "change the file by hand: Program > open it"
 _LONGEST = 2000
 _MOST_WORK = 2_000_000
-"""Largest product of the number of changes and the number of characters of a file. Each change parses the
-text again; at this limit the changes take about 10 s.
+"""Limit on the work for one draft: the number of changes times the number of characters of the file. Each
+change parses the text again, and at this limit the changes take about 10 s.
 """
 
 
@@ -34,10 +34,12 @@ def with_entries(source: SourceFile, changes: Sequence[EntryChange]) -> tuple[st
     """
     if len(changes) * len(source.text) > _MOST_WORK:
         problem = (
-            f"{len(changes)} changes of {source.name}, which has {len(source.text):,} characters, are "
-            f"too many at once"
+            f"{len(changes)} changes of {source.name}, which has {len(source.text):,} characters, can't "
+            "be saved at once"
         )
-        raise Trouble(problem, "save fewer at a time, or change the file by hand under Program", "large")
+        raise Trouble(
+            problem, "save fewer changes at a time, or change the file by hand under Program", "large"
+        )
     data = _data(source)
     descriptions: list[str] = []
     text = source.text
@@ -58,7 +60,7 @@ def with_entries(source: SourceFile, changes: Sequence[EntryChange]) -> tuple[st
                 text = with_table(SourceFile(source.name, text), (change.table, count), values)
                 descriptions.append(f"{_called(change, values)} added")
     except ChangeError as error:
-        problem = f"{source.name} writes this in a form that can't be changed here: {str(error)[:200]}"
+        problem = f"{source.name} has this entry in a form that can't be changed here: {str(error)[:200]}"
         raise Trouble(problem, _BY_HAND, "") from None
     return text, "; ".join(descriptions)[:_LONGEST]
 
@@ -141,8 +143,8 @@ def _changed(text: str, name: str, change: EntryChange, before: dict[str, Any]) 
 
 
 def _put(text: str, name: str, path: tuple[str, int, str], value: object) -> str:
-    """Return the text of a file with a new value for one key of an entry; None removes the key. If the key
-    alone can't be changed in the text, the whole entry is written anew.
+    """Return the text of a file with a new value for one key of an entry; None removes the key. If the text
+    doesn't allow changing this key alone, the whole entry is written anew.
     """
     source = SourceFile(name, text)
     try:

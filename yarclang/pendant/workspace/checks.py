@@ -1,6 +1,6 @@
-"""Checks of all programs of the project with a draft, that is, with unsaved changes of the workspace. A
-check runs in a process with low priority, limited memory and limited time; only one runs at a time, for
-all sessions.
+"""Checks of all programs of the project with a draft (unsaved changes of the workspace). A check runs in a
+process with low priority, limited memory and limited time. Only one check runs at a time, for all sessions
+together.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ MOST_IN_ALL = 1800.0
 """Longest time for all programs [s]."""
 _MOST_FILES = 1000
 _MOST_TIMES = 5
-"""Most starts of the checking process in one check. If the process ends at a program, it is started again
-for the programs after that one.
+"""Largest number of starts of the checking process in one check. If the process ends or takes too long at a
+program, it is started again for the remaining programs.
 """
 _LARGEST = 1 << 20
 
@@ -97,7 +97,9 @@ class Checks:
         last = self._last
         if last is not None and last.state == "running":
             if last.session != session.id:
-                raise Trouble(f"{last.user} has programs checked just now", "wait until that is done", "busy")
+                raise Trouble(
+                    f"{last.user} is already checking programs", "wait until that check is done", "busy"
+                )
             self.cancel(session.id)
         self._last = made = _Check(session.id, session.user, question)
         made.task = asyncio.ensure_future(self._run(made))
@@ -123,7 +125,8 @@ class Checks:
         if last is None or last.question.digest != digest or last.state != "done":
             return "programs not checked"
         return (
-            f"{_broken(last)} of {len(last.programs)} programs no longer hold, {_unjudged(last)} not checked"
+            f"{_broken(last)} of {len(last.programs)} programs can no longer be proved, "
+            f"{_unjudged(last)} not checked"
         )
 
     def shown(self, session: Session) -> CheckShown:
@@ -168,9 +171,9 @@ class Checks:
                         return
             check.what = f"the process that checks has ended {_MOST_TIMES} times"
         except TimeoutError:
-            check.what = f"it has taken longer than {MOST_IN_ALL / 60:.0f} min"
+            check.what = f"it took longer than {MOST_IN_ALL / 60:.0f} min"
         except OSError as error:
-            check.what = f"it can't be begun: {reason_of(error)}"
+            check.what = f"it can't be started: {reason_of(error)}"
         finally:
             if check.state == "running":  # a check that counts as running would block all others
                 check.state = "failed"
@@ -200,9 +203,7 @@ class Checks:
             await _end(process)
 
     async def _leave_out(self, check: _Check) -> None:
-        """Leave out the current program, because the checking process has ended at it or has taken too
-        long.
-        """
+        """Leave out the current program, at which the checking process has ended or has taken too long."""
         files = check.question.files
         if check.at < len(files):
             message = f"it couldn't be checked within {MOST_EACH:.0f} s and {MOST_MEMORY >> 30} GiB"

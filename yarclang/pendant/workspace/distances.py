@@ -1,5 +1,5 @@
-"""The pairs of bodies that are nearest to each other, and the nearest borders of zones, at one joint
-position. The distances are only displayed; proofs of distances are in certificates.
+"""The smallest distances between bodies, and between bodies and borders of zones, at one joint position. They
+are only displayed. Proofs of distances are in certificates.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from yarclang.collision.zones.workspace import slack_at, watches_of
 from yarclang.robot.model import Array, Robot
 
 MOST = 8
-"""Most pairs that are shown."""
+"""Largest number of pairs that are shown."""
 _MOST_OWN = 2
-"""Most shown pairs in which both bodies belong to the robot, because such bodies are always near to each
+"""Largest number of shown pairs in which both bodies belong to the robot. Such bodies are always near to each
 other.
 """
 _LOOKED_AT = 60
-"""Most pairs of bodies whose distance is computed exactly. They are the pairs whose bounding boxes are
+"""Number of pairs of bodies whose distance is computed exactly. They are the pairs whose bounding boxes are
 nearest to each other.
 """
 
@@ -36,7 +36,8 @@ class Near:
         second: name of the second body, or of the zone.
         distance: distance [m].
         margin: required distance [m].
-        points: (2, 3) the point on each of the two that is nearest to the other, in {B} [m]; None if unknown.
+        points: (2, 3) the two points, one on each body, that are nearest to each other, in {B} [m]; None if
+            unknown.
     """
 
     first: str
@@ -70,8 +71,8 @@ def _room(near: Near) -> float:
 
 
 def _pairs(scene: Scene, q: Array, pair: Rows, most: int) -> list[Near]:
-    """Return the nearest of K candidate pairs of bodies. Of several pairs with the same two names only the
-    nearest is returned.
+    """Return the nearest of K pairs of bodies, at most `most`. If several pairs have the same two names, only
+    the nearest of them is returned.
     """
     if not len(pair):
         return []
@@ -114,7 +115,7 @@ def _zones(robot: Robot, cell: Cell, scene: Scene, moving: Moving, q: Array) -> 
     for watch in watches_of(robot, cell, moving):
         if watch.item is None or watch.zone.rule == "slow":
             continue
-        # The margin is already subtracted in the slack of a border.
+        # The slack is the distance minus the margin, so the distance is the slack plus the margin.
         room = float(slack_at(scene, watch, q[None])[0])
         if not np.isfinite(room):  # a constraint on the posture has no distance
             continue

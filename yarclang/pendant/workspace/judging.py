@@ -1,5 +1,5 @@
-"""The process that checks which programs have errors with a draft, that is, with unsaved changes of cell.toml
-or robot.toml. It reads what to check from standard input, and writes one line of JSON for each result.
+"""The process that finds the programs with errors under a draft (unsaved changes of cell.toml or robot.toml).
+It reads its question from standard input, and writes one line of JSON for each result.
 
 It writes no files. The texts of the draft are read instead of the files that it changes.
 """
@@ -31,8 +31,8 @@ from yarclang.source import SourceFile
 from yarclang.units import MM
 
 _NOTHING = "Y0104"
-"""Code of the finding for a file without a command. Such a file is a module; it is checked together with
-the programs that call it.
+"""Code of the finding for a file without a command. Such a file is a module, and is checked together with the
+programs that call it.
 """
 
 
@@ -65,8 +65,11 @@ def answers(request: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
 
 
 def _judged(path: str, before: Options, after: Options) -> dict[str, Any]:
-    """Return whether a program is free of errors without and with the draft, and its first error with the
-    draft; empty if the program has no errors and the draft doesn't affect it, or if it is a module.
+    """Return the result for a program.
+
+    `held` and `holds` are True if the program has no errors without and with the draft. The other keys
+    describe its first error with the draft. The mapping is empty for a module, and for a program without
+    errors that the draft doesn't affect.
     """
     now = check_file(path, after)
     if any(one.code == _NOTHING for one in now.diagnostics):
@@ -79,7 +82,7 @@ def _judged(path: str, before: Options, after: Options) -> dict[str, Any]:
 
 
 def _matters(checked: Checked, options: Options) -> bool:
-    """Return True if a program moves the robot and reads one of the drafts."""
+    """Return True if a program moves the robot and depends on a text of the draft."""
     if checked.plan is None or not checked.plan.motions:
         return False
     files = {file_of(one) for one in options.texts}
@@ -87,7 +90,7 @@ def _matters(checked: Checked, options: Options) -> bool:
     if cell is not None and file_of(Path(cell.source.name).absolute()) in files:
         return True
     robot = None if checked.opened is None else checked.opened.request.robot
-    return robot is not None and file_of(robot.folder.absolute() / "robot.toml") in files
+    return robot is not None and file_of(robot.file.absolute()) in files
 
 
 def _messages(error: Diagnostic) -> dict[str, Any]:
@@ -101,19 +104,20 @@ def _messages(error: Diagnostic) -> dict[str, Any]:
 def _standing(request: Mapping[str, Any], options: Options) -> Iterator[str]:
     """Yield the problems that the robot has at its present position with the draft, in words."""
     if request["joints"] is None:
-        yield "it isn't known where the robot stands"
+        yield "the robot's position is unknown"
         return
     q = np.array(request["joints"], dtype=float)
     robot = robot_for(Path(request["folder"]), request["robot"], options.texts).value
     if robot is None or robot.size != len(q):
         return
-    drafted = options.texts.get(robot.folder.absolute() / "robot.toml")
+    described = file_of(robot.file.absolute())
+    drafted = next((text for path, text in options.texts.items() if file_of(path) == described), None)
     if drafted is not None:
         from yarclang.robot.description import read_robot
 
         robot = read_robot(drafted, robot.folder).value or robot
     yield from beyond_limits(robot, q)
-    named = next((text for path, text in options.texts.items() if path.name != "robot.toml"), None)
+    named = next((text for path, text in options.texts.items() if file_of(path) != described), None)
     cell = None if named is None else read_cell(named, Path(named.name).parent, Names(is_word, robot)).value
     if cell is not None:
         yield from in_the_way(robot, cell, q)
@@ -126,7 +130,7 @@ def beyond_limits(robot: Robot, q: Array) -> Iterator[str]:
     excess = np.maximum(robot.limits.lower - q, q - robot.limits.upper) / robot.axis_units
     for name, by, unit in zip(robot.joint_names, excess, robot.axis_unit_names, strict=True):
         if by > 1e-6:
-            yield f"{name} stands {by:.4g} {unit} beyond its limits"
+            yield f"{name} is {by:.4g} {unit} beyond its limits"
 
 
 def in_the_way(robot: Robot, cell: Cell, q: Array) -> Iterator[str]:
@@ -139,10 +143,10 @@ def in_the_way(robot: Robot, cell: Cell, q: Array) -> Iterator[str]:
         if (watch.zone.name, item) not in told:
             told.add((watch.zone.name, item))
             by = "" if watch.item is None else f" by {-slack / MM:.1f} mm"
-            yield f"{item} breaks the zone {watch.zone.name}{by}"
+            yield f"{item} violates the zone {watch.zone.name}{by}"
     scene = scene_of(robot, cell).value
     if scene is not None and (names := sorted(touching(scene, q))):
-        yield f"{', '.join(names[:6])} stand nearer to each other than their margins"
+        yield f"{', '.join(names[:6])} are closer to each other than their margins"
 
 
 if __name__ == "__main__":

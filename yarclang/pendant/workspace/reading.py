@@ -167,7 +167,7 @@ def limits_of(text: str, robot: Robot) -> tuple[JointLimits, ...]:
 
 
 def findings_of(diagnostics: tuple[Diagnostic, ...]) -> tuple[Finding, ...]:
-    """Return findings as messages, but not more than a page shows."""
+    """Return findings as messages, at most as many as a page shows."""
     return finding_messages(diagnostics[:100])
 
 
@@ -178,7 +178,9 @@ def checked_robot(text: SourceFile, folder: Path) -> tuple[Robot | None, tuple[D
 
 
 def _of_urdf(robot: Robot) -> dict[str, tuple[float | None, float | None]]:
-    """Return the position limits in a robot's URDF by joint [deg or mm], where given."""
+    """Return the position limits in a robot's URDF, by joint [deg or mm]. Joints without valid limits are
+    left out.
+    """
     limits_found: dict[str, tuple[float | None, float | None]] = {}
     source = read_text(robot.folder / robot.urdf, "")
     if isinstance(source, Diagnostic):

@@ -1,5 +1,5 @@
-"""The workspace around the robot, that is, zones and obstacles of the session's cell and joint limits: its
-display, drafts of changes, saving by service users, and the present distances between bodies.
+"""The workspace around the robot: zones and obstacles of the session's cell, and joint limits. It is shown,
+changed by drafts, and saved by service users. The present distances between bodies are computed as well.
 """
 
 from __future__ import annotations
@@ -54,15 +54,15 @@ from yarclang.units import MM
 _PROGRAM = ".yarc"
 _MOST_PROGRAMS = 1000
 _EACH = 1.0
-"""Time between two checks whether the files from which distances are computed have changed [s]."""
+"""Time between two checks for changes of the files from which distances are computed [s]."""
 _LONGEST = 30_000
-"""Longest cell.toml for which distances are computed with the changes of a draft [characters]. For a
-longer one they are computed without, because its text is parsed several times a second.
+"""Longest cell.toml for which distances are computed with a draft [characters]. With a longer file the draft
+is ignored, because its text is parsed several times a second.
 """
 _NEW_CELL = 'units = "mm,deg,s"\n'
-_NOW = "Offers, jogs and programs that are loaded from now on keep to it. "
+_NOW = "It applies to offers, jogs and programs that are loaded from now on. "
 _RESTART = (
-    "robot.toml counts once the robot is served again and its settings are sent (System > Controller). "
+    "robot.toml takes effect when the robot is served again and its settings are sent (System > Controller). "
 )
 
 
@@ -114,8 +114,8 @@ class Workspace:
 
         Raises:
             NotAllowed: the session lacks the role or the PIN.
-            Trouble: the robot moves, a file has changed meanwhile or would become invalid, the draft changes
-                nothing, or a file can't be written.
+            Trouble: the robot moves, a file is no longer the version that was edited or would become invalid,
+                the draft changes nothing, or a file can't be written.
         """
         self._filing.check_service(session)
         files = await asyncio.to_thread(proposed_of, self._robot, await self._asked(), draft)
@@ -189,7 +189,7 @@ class Workspace:
         """Begin to check which programs have errors with a draft.
 
         Raises:
-            Trouble: another check is running, or the draft doesn't fit the files.
+            Trouble: the check of another session is running, or the draft doesn't fit the files.
         """
         around = await self._asked()
         files = await asyncio.to_thread(proposed_of, self._robot, around, draft)
@@ -198,7 +198,7 @@ class Workspace:
         q = self._watched.showing.joints
         root = folder.root
         drafts = {str(root / file.file): file.after for file in files}
-        for file in files:  # the robot's folder may be named by another path
+        for file in files:  # the process of the checks may open robot.toml by another path
             if Path(file.file).name == DESCRIPTION:
                 drafts[str((self._robot.folder / DESCRIPTION).absolute())] = file.after
         question = Question(
@@ -224,7 +224,7 @@ class Workspace:
         """
         q = self._watched.showing.joints
         if q is None:
-            return Distances(pairs=(), what="it isn't known where the robot stands")
+            return Distances(pairs=(), what="the robot's position is unknown")
         async with self._measuring:
             cell = await self._cell_with(draft)
             key = (cell, np.round(q, 4).tobytes())
@@ -233,12 +233,12 @@ class Workspace:
                 self._measured = key, found
             text = (await self._lately()).text
             is_long = draft is not None and text is not None and len(text.text) > _LONGEST
-            what = "the file is long: these are the distances from what is saved" if is_long else ""
-            return Distances(pairs=tuple(map(_near_shown, self._measured[1])), what=what)
+            what = "the file is too long to check while editing: these are the distances for the saved file"
+            return Distances(pairs=tuple(map(_near_shown, self._measured[1])), what=what * is_long)
 
     async def _cell_with(self, draft: WorkspaceDraft | None) -> Cell | None:
-        """Return the cell with the changes of a draft; None without a cell. The same object is returned as
-        long as the text of the cell with the draft doesn't change.
+        """Return the cell with the changes of a draft; None without a cell. As long as the text of the cell
+        with the draft doesn't change, the same object is returned.
         """
         around = await self._lately()
 
@@ -265,8 +265,8 @@ class Workspace:
     # files
 
     async def _lately(self) -> Around:
-        """Return the files of the workspace. They are read at most once a second, because for each reading
-        the coordinator has to ask the controller.
+        """Return the files of the workspace. They are read at most once a second, because the coordinator has
+        to ask the controller for each reading.
         """
         now = asyncio.get_running_loop().time()
         if self._around_at is None or now - self._around_at[0] > _EACH:

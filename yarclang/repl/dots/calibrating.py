@@ -24,7 +24,7 @@ _KINDS = ("tcp", "frame", "home")
 _THEN: dict[type[Touching], str] = {
     TipTouching: ".done writes it; .touch adds another one",
     FrameTouching: ".done writes it; .touch adds another point of the plane",
-    HomeTouching: ".done writes it; .touch again, approached anew, shows how well the mark repeats",
+    HomeTouching: ".done writes it; approach the mark again and .touch to see how well it repeats",
 }
 
 
@@ -44,12 +44,12 @@ def _calibrate(session: Session, rest: str) -> None:
         case "home":
             touching = HomeTouching(robot, _marks(robot, words))
         case _:
-            raise Misused(f"what is calibrated is {', '.join(_KINDS)}")
+            raise Misused(f".calibrate takes {', '.join(_KINDS)}")
     session.touching = touching
     session.say(_told(touching))
 
 
-async def _touch(session: Session, rest: str) -> None:  # noqa: ARG001 - it takes nothing
+async def _touch(session: Session, rest: str) -> None:  # noqa: ARG001 - the command has no arguments
     touching = _going_on(session)
     touching.touch(await session.stands())
     session.show(touching.findings)
@@ -68,7 +68,7 @@ def _untouch(session: Session, rest: str) -> None:  # noqa: ARG001
 def _cancel(session: Session, rest: str) -> None:  # noqa: ARG001
     _going_on(session)
     session.touching = None
-    session.say("the calibration is forgotten; nothing was written")
+    session.say("the calibration is discarded; nothing was written")
 
 
 async def _done(session: Session, rest: str) -> None:  # noqa: ARG001
@@ -113,11 +113,11 @@ async def _write_tip(session: Session, name: str, touching: TipTouching) -> bool
 
 async def _write_robot(session: Session, change: Callable[[SourceFile], str]) -> bool:
     robot = session.robot
-    path = robot.folder / "robot.toml"
+    path = robot.file
     if any(one.folder == robot.folder for one in list_robots()):
         session.refuse(
-            f"{robot.name} is a robot of the standard library, which isn't changed\n"
-            f"  help: copy {robot.folder} beside your program, and start with --robot and its path"
+            f"{robot.name} is a robot of the standard library, which can't be changed\n  help: copy "
+            f"{robot.folder} to your project, and start with --robot and the path of the copy"
         )
         return False
     old = read_exactly(path)
@@ -135,8 +135,8 @@ async def _write_robot(session: Session, change: Callable[[SourceFile], str]) ->
         return False
     write_exactly(path, new)
     session.say(
-        f"{path} is written. This session goes on with the robot as it was: end it, load `yarc "
-        f"settings` into the controller again, and begin anew"
+        f"{path} is written. This session still uses the old values: end it, load `yarc settings` into the "
+        "controller, and start a new session"
     )
     return True
 
@@ -155,7 +155,7 @@ def _told(touching: Touching) -> str:
 
 def _going_on(session: Session) -> Touching:
     if session.touching is None:
-        raise Misused("no calibration goes on: .calibrate tcp NAME")
+        raise Misused("no calibration is in progress; start one, for example .calibrate tcp NAME")
     return session.touching
 
 
@@ -195,13 +195,12 @@ COMMANDS = (
         "calibration",
         _calibrate,
         complete=lambda _, begun: (one for one in _KINDS if one.startswith(begun)),
-        doc="tcp: the tip of a tool, from four or more touches of one point. frame: from its origin, a "
-        "point on x, and points of its plane.\n"
-        "home: the motors' offsets, from joints that stand at their marks. Between two touches the "
-        "robot is moved by whatever moves it.",
+        doc="tcp: the tip of a tool, from four or more touches of one point. frame: a frame, from its "
+        "origin, a point on its x axis, and points in its plane.\nhome: the motors' offsets, from "
+        "joints that are at their marks. Move the robot between two touches in any way.",
     ),
-    DotCommand(".touch", "", "the robot stands at the next point", "calibration", _touch),
-    DotCommand(".untouch", "", "forget the last touch", "calibration", _untouch),
+    DotCommand(".touch", "", "record the present position as the next point", "calibration", _touch),
+    DotCommand(".untouch", "", "discard the last touch", "calibration", _untouch),
     DotCommand(".done", "", "write what was calibrated", "calibration", _done),
-    DotCommand(".cancel", "", "forget the calibration", "calibration", _cancel),
+    DotCommand(".cancel", "", "discard the calibration", "calibration", _cancel),
 )

@@ -9,8 +9,8 @@ from yarclang.repl.session import Session
 from yarclang.subjects import suggest
 
 _HEAD = (
-    "A line of YARC, with or without an index, is planned from where the robot stands, certified, "
-    "shown, and carried out if you say so."
+    "A line of YARC, with or without an index, is planned from the robot's present position, certified, "
+    "shown, and carried out after you confirm it."
 )
 
 

@@ -12,12 +12,12 @@ from yarclang.repl.session import Session
 from yarclang.runtime.actions import Trouble
 
 EACH = 0.05
-"""Time between two messages with the wanted motion [s]. It is shorter than the time of the robot's
+"""Time between two messages with the wanted motion [s]. It is shorter than the timeout of the robot's
 watchdog.
 """
 
 _LOOKED_EACH = 0.005
-"""Time after which the robot is checked for rest again [s]."""
+"""Time between two checks if the live motion has ended [s]."""
 
 
 async def _jog(session: Session, rest: str) -> None:
@@ -91,9 +91,8 @@ COMMANDS = (
         "motions",
         _jog,
         doc="+ and - (or the arrows, or the space bar) move while they are held; a number chooses a "
-        "joint, x y z a b c an axis of the tool, t the tool's axes or those of {B};\n"
-        "up and down change the speed, Enter ends. The tool keeps below 250 mm/s, or what the robot "
-        "says in [jog] of its robot.toml; limits, cell and zones are kept, and near a singularity it "
-        "gets slower.",
+        "joint, x y z a b c an axis of the tool, t the tool's axes or those of {B};\nup and down "
+        "change the speed, Enter ends. The tool stays below 250 mm/s, or below the speed in [jog] of "
+        "robot.toml. Limits, cell and zones are observed, and near a singularity the tool slows down.",
     ),
 )

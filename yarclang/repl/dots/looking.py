@@ -28,7 +28,7 @@ async def _where(session: Session, rest: str) -> None:
         session.say(where_text(moving, np.array(found.pose), base))
 
 
-async def _joints(session: Session, rest: str) -> None:  # noqa: ARG001 - it takes nothing
+async def _joints(session: Session, rest: str) -> None:  # noqa: ARG001 - the command has no arguments
     session.say(joints_text(session.robot, await session.stands()))
 
 
@@ -67,7 +67,9 @@ async def _log(session: Session, rest: str) -> None:
         place = "nothing is logged yet"
     else:
         lost = status.log_lost
-        place = f"the log is lost: {status.log} {lost}" if lost else f"the log is {status.log}"
+        place = (
+            f"the run log can't be used any more: {status.log} {lost}" if lost else f"the log is {status.log}"
+        )
     session.say("\n".join([*told, place]))
 
 
@@ -76,9 +78,9 @@ COMMANDS = (
         ".where", "[FRAME [MOVING]]", "the pose of the tool, in {B} or another frame", "looking", _where
     ),
     DotCommand(".joints", "", "the joint positions", "looking", _joints),
-    DotCommand(".frames", "", "all frames that are known", "looking", _frames),
-    DotCommand(".io", "", "the inputs and outputs that are declared, with their values", "looking", _io),
+    DotCommand(".frames", "", "all known frames", "looking", _frames),
+    DotCommand(".io", "", "all declared inputs and outputs, with their values", "looking", _io),
     DotCommand(
-        ".log", "[NUMBER]", "the last messages, and where the run log is", "looking", _log, overtakes=True
+        ".log", "[NUMBER]", "the last messages, and the path of the run log", "looking", _log, overtakes=True
     ),
 )

@@ -6,9 +6,9 @@ from yarclang.repl.dot import DotCommand
 from yarclang.repl.session import Session
 
 
-def _ask(session: Session, rest: str) -> None:  # noqa: ARG001 - it takes nothing
+def _ask(session: Session, rest: str) -> None:  # noqa: ARG001 - the command has no arguments
     session.asks = True
-    session.say("every motion is asked for")
+    session.say("you are asked before every motion")
 
 
 def _go(session: Session, rest: str) -> None:  # noqa: ARG001
@@ -21,7 +21,7 @@ def _quit(session: Session, rest: str) -> None:  # noqa: ARG001
 
 
 COMMANDS = (
-    DotCommand(".ask", "", "show what would happen, and ask before anything moves", "session", _ask),
+    DotCommand(".ask", "", "show each motion, and ask before the robot moves", "session", _ask),
     DotCommand(".go", "", "move without asking, until the session ends", "session", _go),
     DotCommand(".quit", "", "bring the robot to rest and end (Ctrl-D)", "session", _quit, overtakes=True),
 )

@@ -1,4 +1,4 @@
-"""Orders about running motions. They are carried out before all other texts."""
+"""Orders about running motions. They are carried out before all other typed texts."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from yarclang.repl.dot import DotCommand, Misused
 from yarclang.repl.session import Session
 
 
-def _hold(session: Session, rest: str) -> None:  # noqa: ARG001 - it takes nothing
+def _hold(session: Session, rest: str) -> None:  # noqa: ARG001 - the command has no arguments
     session.order(orders.Hold())
 
 
@@ -38,12 +38,12 @@ def _override(session: Session, rest: str) -> None:
     except ValueError:
         raise Misused(f"{rest!r} isn't a percentage") from None
     if not 1.0 <= percent <= 100.0:
-        raise Misused(f"an override of {percent:g} %: it may be 1 to 100")
+        raise Misused(f"{percent:g} % isn't allowed: the override is from 1 to 100 %")
     session.order(orders.Override(percent=percent))
 
 
 COMMANDS = (
-    DotCommand(".hold", "", "rest on the path, ready to go on", "orders", _hold, overtakes=True),
+    DotCommand(".hold", "", "stop on the path, ready to go on", "orders", _hold, overtakes=True),
     DotCommand(
         ".resume",
         "[N]",
@@ -53,12 +53,12 @@ COMMANDS = (
         overtakes=True,
     ),
     DotCommand(
-        ".stop", "", "rest on the path, and end what is under way (Ctrl-C)", "orders", _stop, overtakes=True
+        ".stop", "", "stop on the path, and end the present command (Ctrl-C)", "orders", _stop, overtakes=True
     ),
     DotCommand(
         ".abort",
         "",
-        "each motor rests at once, off the path (Ctrl-C again)",
+        "stop each motor at once, off the path (Ctrl-C again)",
         "orders",
         _abort,
         overtakes=True,
@@ -66,7 +66,7 @@ COMMANDS = (
     DotCommand(
         ".override",
         "[PERCENT]",
-        "the pace, in percent of the programmed speed",
+        "the override, in percent of the programmed speed",
         "orders",
         _override,
         overtakes=True,

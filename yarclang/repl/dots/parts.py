@@ -32,7 +32,7 @@ async def _parts(session: Session, rest: str) -> None:
         case _:
             raise Misused(f"{rest.strip()} says nothing about parts")
     changes = isinstance(order, orders.PlacePart)
-    if changes and session.asks and not await session.agrees("are the parts where you say?"):
+    if changes and session.asks and not await session.agrees("are the parts really there?"):
         session.say("nothing has changed")
         return
     told = await session.attached.ask(order)
@@ -64,15 +64,18 @@ def _lines(told: replies.Parts) -> list[str]:
         if one.held is None:
             place = f"{'lies' if one.sure else 'may lie'} at {where} {{B}}"
         else:
-            holds = f"{one.held} holds it" if one.held else "it hangs on the flange"
+            holds = f"{one.held} holds it" if one.held else "it is fixed to the flange"
             place = f"{holds if one.sure else f'perhaps {holds}'}, at {where} {{FLANGE}}"
         lines.append(f"{one.name}: {place}")
     if told.doubt:
-        lines.append(f"nobody knows if that is so: {told.doubt}; say it with .parts reset, .parts put")
+        lines.append(
+            f"the places of the parts aren't certain: {told.doubt}; confirm them by .parts reset or .parts "
+            "put"
+        )
     elif not told.parts and not told.findings:
-        lines.append("no part is in the cell any more")
+        lines.append("no part is left in the cell")
     elif not told.moved and not told.findings:
-        lines.append("as the cell's file has them")
+        lines.append("at their places in the cell's file")
     return lines
 
 
@@ -80,15 +83,16 @@ COMMANDS = (
     DotCommand(
         ".parts",
         "[reset | put | gone ...]",
-        "where the parts of the cell are; or say it",
+        "show or set the places of the cell's parts",
         "teaching",
         _parts,
         complete=lambda _, begun: (one for one in ("gone", "put", "reset") if one.startswith(begun.lower())),
-        doc="Without more, each part: its place (mm, deg), and what holds it. `reset [PART]` says that "
-        "all parts, or one, lie where the cell's file has them; `put BOX {TABLE} 100 0 0 0 0 90` "
-        "that a part lies at that place in a frame (mm; roll, pitch, yaw in deg; without values at its "
-        "origin), and with the frame of a gripper that the gripper holds it; `gone BOX` that it "
-        "was taken out of the cell. What comes is planned and proved so. Nothing moves, and no output "
-        "is set. Sensors of a robot that is simulated here see the parts there.",
+        doc="Without more, each part: its place (mm, deg), and what holds it. `reset [PART]` sets all "
+        "parts, or one, to their places in the cell's file; `put BOX {TABLE} 100 0 0 0 0 90` that a "
+        "part lies at that place in a frame (mm; roll, pitch, yaw in deg; without values at its "
+        "origin), and with the frame of a gripper that the gripper holds it; `gone BOX` that it was "
+        "taken out of the cell. The next commands are planned and proved with these places. Nothing "
+        "moves, and no output is set. The sensors of a simulated robot detect the parts at these "
+        "places.",
     ),
 )

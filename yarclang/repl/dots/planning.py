@@ -18,10 +18,10 @@ async def _plan(session: Session, rest: str) -> None:
         raise Misused("a command is missing")
     offer = await session.offered(rest)
     if offer is not None and not offer.moves:
-        session.say("a declaration: nothing would move")
+        session.say("this is a declaration: nothing moves")
 
 
-async def _back(session: Session, rest: str) -> None:  # noqa: ARG001 - it takes nothing
+async def _back(session: Session, rest: str) -> None:  # noqa: ARG001 - the command has no arguments
     await session.carry_out_back()
 
 
@@ -29,11 +29,11 @@ def _plot(session: Session, rest: str) -> None:
     from yarclang.report.pictures.plot import draw
 
     if not session.has_planned:
-        session.refuse("nothing was planned yet")
+        session.refuse("nothing has been planned yet")
         return
     plan = session.plan
     if plan is None:
-        session.refuse("what was planned last is known only to the process that serves the robot")
+        session.refuse("the last plan is known only to the process that serves the robot")
         return
     path = session.folder / (rest or _PICTURE)
     kind = next((one for one in _FORMATS if path.suffix.lower() == f".{one}"), None)
@@ -48,11 +48,11 @@ def _write(session: Session, path: Path, content: bytes) -> None:
     except OSError as error:
         session.refuse(f"{path} can't be written: {reason_of(error)}")
         return
-    session.say(f"{path} is drawn: what was planned last")
+    session.say(f"{path} shows the last plan")
 
 
 COMMANDS = (
     DotCommand(".plan", "COMMAND", "show what a command would do; nothing moves", "motions", _plan),
     DotCommand(".back", "", "the last motion backwards, on the same path", "motions", _back),
-    DotCommand(".plot", "[FILE]", f"draw what was planned last ({_PICTURE})", "looking", _plot),
+    DotCommand(".plot", "[FILE]", f"draw the last plan ({_PICTURE})", "looking", _plot),
 )

@@ -20,7 +20,7 @@ from yarclang.repl.session import Session
 _ENDING = ".yarc"
 
 _SAME = 1e-6
-"""Times that differ by less count as equal [s]."""
+"""Two times count as equal if they differ by less than this [s]."""
 
 
 async def _load(session: Session, rest: str) -> None:
@@ -38,7 +38,7 @@ async def _load(session: Session, rest: str) -> None:
     session.file = loaded.value
     commands, count = loaded.value.commands, len(declarations)
     which = f"{len(commands)} commands, {commands[0]} to {commands[-1]}" if commands else "no commands"
-    session.say(f"{path}: {which}; its {count} declarations hold here from now on; .run carries it out")
+    session.say(f"{path}: {which}; its {count} declarations are valid here from now on; .run carries it out")
 
 
 async def _run(session: Session, rest: str) -> None:
@@ -77,7 +77,7 @@ async def _carry_out(session: Session, first: str, *, by_steps: bool) -> None:
     if way.text:
         session.say(way.text)
         if way.duration_s is None or not await session.agrees(
-            f"approach it slowly first, {way.duration_s:.1f} s?"
+            f"move slowly to its start first, {way.duration_s:.1f} s?"
         ):
             session.refuse("nothing moved")
             return
@@ -98,7 +98,7 @@ async def _save(session: Session, rest: str) -> None:
     if path.suffix != _ENDING:
         raise Misused(f"{path.name} must end with {_ENDING}")
     if path.exists():
-        raise Misused(f"{path} is there already")
+        raise Misused(f"{path} already exists")
     saved = await session.attached.ask(orders.Save(folder=str(path.parent.absolute())))
     write_program(path, saved.text)
     session.say(f"{path} does what this session did")
@@ -126,7 +126,7 @@ COMMANDS = (
     DotCommand(
         ".load",
         "FILE",
-        "read a program; its declarations hold from now on",
+        "read a program; its declarations are valid from now on",
         "programs",
         _load,
         complete=_files,

@@ -58,7 +58,7 @@ async def _teach_cell(session: Session, name: str, words: list[str]) -> None:
     known = cell_of(session, path).frames.get(name)
     parent = words[1].strip("{}").upper() if words[1:] else known.parent if known is not None else "B"
     if known is not None and parent != known.parent:
-        raise Misused(f"{{{name}}} hangs on {{{known.parent}}} in {path.name}, and stays there")
+        raise Misused(f"{{{name}}} has the parent {{{known.parent}}} in {path.name}, and keeps it")
     moving = f"{{{words[2].strip('{}').upper()}}}" if words[2:] else "{TCP}"
     where = await session.attached.ask(orders.AskPlace(base="{B}", moving=moving))
     session.show(findings_of(where.findings))
@@ -78,13 +78,13 @@ COMMANDS = (
     DotCommand(
         ".teach",
         "NAME | [cell] {NAME} [BASE [MOVING]]",
-        "name where the robot stands: its joints, or the tool's pose as a frame",
+        "give the present position a name: joints, or the tool's pose as a frame",
         "teaching",
         _teach,
         doc=(
-            "A name that is declared already is touched up: the person sees both lines and is asked, and "
-            "the loaded file's line is changed as well. `.teach cell {NAME}` writes the frame into the "
-            "cell.toml; a frame that is there keeps its parent, and comments and order stay."
+            "If the name is already declared, its values are changed: you see both lines and are asked, "
+            "and the line of the loaded file is changed as well. `.teach cell {NAME}` writes the frame "
+            "into the cell.toml; an existing frame keeps its parent, and comments and order are kept."
         ),
     ),
 )

@@ -17,11 +17,13 @@ from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.model import Array, Robot, Tolerance
 
 SAME_TIME = 5e-4
-"""Durations that differ by less count as equal [s], because segment times are multiples of a small step."""
+"""Durations that differ by less count as equal [s]. Smaller differences come only from rounding: segment
+times are multiples of a small step.
+"""
 
 _OTHER_JOINTS = 1.0
-"""Difference of a joint, with the tool at the same pose, above which two plans use different inverse
-kinematics solutions [deg or mm].
+"""Smallest difference of a joint that counts as another inverse kinematics solution, if the tool is at the
+same pose [deg or mm].
 """
 
 Status = Literal["same", "changed", "added", "removed"]
@@ -36,12 +38,12 @@ class Compared:
         second: command of the second program; None if only the first program has it.
         path: difference of the paths of two motions.
         differs: True if this difference is beyond the tolerance.
-        other_branch: True if the tool has the same end but the joints have other values.
-        longer: extra duration of the second command [s]; 0 if it is at most `SAME_TIME`.
+        other_branch: True if the tool ends at the same pose, but at different joint positions.
+        longer: extra duration of the second command [s]; 0 if the durations differ by at most `SAME_TIME`.
         what: True if two commands without motion do different things.
-        carries: True if the robot carries other parts during the commands.
-        touches: True if other bodies may touch.
-        keeps: True if other KEEP rules apply to the motion.
+        carries: True if the robot carries different parts during the two motions.
+        touches: True if different pairs of bodies may touch during the two motions.
+        keeps: True if different KEEP rules apply to the two motions.
     """
 
     first: Act | None
@@ -57,7 +59,7 @@ class Compared:
 
     @property
     def status(self) -> Status:
-        """Whether and how the two commands differ."""
+        """Kind of the difference between the two commands."""
         if self.first is None:
             return "added"
         if self.second is None:
@@ -72,8 +74,8 @@ class Comparison:
     """Two programs side by side.
 
     Attributes:
-        first: execution of the first program.
-        second: execution of the second program.
+        first: actions of the first program.
+        second: actions of the second program.
         frame: frame whose path is compared.
         tolerance: tolerance of the comparison.
         start: (n,) difference of the second program's start from the first's [rad or m].
@@ -89,13 +91,15 @@ class Comparison:
 
     @property
     def starts_elsewhere(self) -> bool:
-        """True if the start of a joint differs by more than the tolerance for angles or distances."""
+        """True if the starts of the programs differ in a joint by more than the tolerance for angles or
+        distances.
+        """
         return bool((np.abs(self.start) > _allowed(self.first.robot, self.tolerance)).any())
 
     @property
     def holds_otherwise(self) -> bool:
-        """True if the programs watch different inputs to hold the motion, or react to them by different
-        ways out.
+        """True if the programs watch different inputs to hold the motion, watch them in a different order, or
+        react to them differently.
         """
         return self.first.watches != self.second.watches
 
@@ -112,7 +116,7 @@ class Comparison:
 
     @property
     def worst(self) -> Compared | None:
-        """The command with the largest difference of paths."""
+        """The command with the largest difference of the tool's positions."""
         with_path = [one for one in self.commands if one.path is not None]
         return max(with_path, key=lambda one: one.path.position if one.path else 0.0, default=None)
 
@@ -121,13 +125,13 @@ def compare(first: Executed, second: Executed, tolerance: Tolerance) -> Comparis
     """Compare two programs for robots of the same kind.
 
     Args:
-        first: execution of the first program.
-        second: execution of the second program, with the same number of joints.
+        first: actions of the first program.
+        second: actions of the second program, for a robot with the same number of joints.
         tolerance: allowed difference of the tool's path.
     """
     robot = second.robot
     frame = "TCP" if "TCP" in robot.flange_from_frame else "FLANGE"
-    tell("looking for the commands that belong together", 0)
+    tell("matching the commands of both programs", 0)
     pairs = pairs_of(first.acts, second.acts)
     commands = []
     for number, (one, other) in enumerate(pairs):
@@ -142,7 +146,7 @@ def _compared(robot: Robot, frame: str, tolerance: Tolerance, act: Act | None, o
     longer = other.duration - act.duration
     longer = longer if abs(longer) > SAME_TIME else 0.0
     if act.curve is None or other.curve is None:
-        # for a dwell, `what` contains the duration
+        # two dwells of different duration differ in `what`, which contains the duration
         return Compared(act, other, what=act.what != other.what, longer=longer)
     path = path_difference(robot, frame, act.curve, other.curve)
     differs = path.position > tolerance.position or path.angle > tolerance.angle
@@ -156,7 +160,7 @@ def _compared(robot: Robot, frame: str, tolerance: Tolerance, act: Act | None, o
 
 
 def _other_branch(robot: Robot, frame: str, tolerance: Tolerance, ends: Array, path: PathDifference) -> bool:
-    """Return True if two ends (2, n) are equal for the tool but not for the joints."""
+    """Return True if the tool has the same pose at two different joint positions, `ends` (2, n)."""
     if path.joint_off <= _OTHER_JOINTS:
         return False
     off = np.abs(ends[1] - ends[0]) / robot.axis_units

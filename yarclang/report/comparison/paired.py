@@ -1,7 +1,8 @@
-"""Pair the commands of two programs by effect and order, and then by place (their index in loops and calls).
+"""Pair the commands of two programs. First, commands with the same effect are paired, in their order. Then
+the commands between them are paired by the similarity of their ends, places (index in loops and calls) and
+names.
 
-An inserted command counts as new, wherever it is. If equal commands have different indices, that is no
-difference.
+An inserted command counts as new, wherever it is. Equal commands are paired even if their indices differ.
 """
 
 from __future__ import annotations
@@ -17,11 +18,11 @@ from yarclang.progress import go_on
 Pair = tuple[Act | None, Act | None]
 
 _FINE = 1e-3
-"""Step to which ends of motions are rounded [rad or m]. Motions with equal rounded ends are paired."""
+"""Grid to which the ends of motions are rounded [rad or m]. Motions with equal rounded ends are paired."""
 
 _MOST_CELLS = 200_000
-"""Largest table of two groups of commands that is searched for the best pairs. Larger groups are paired by
-place.
+"""Largest product of the sizes of two groups of commands for which the cheapest pairs are searched. Larger
+groups are paired by place.
 """
 
 _ALONE = 0.7
@@ -29,8 +30,8 @@ _OTHER_PLACE = 0.3
 _OTHER_NAME = 0.15
 _OTHER_END = 0.8
 _FAR = 0.5
-"""Distance between the ends of two motions [rad or m] from which on the cost of pairing them is the whole of
-`_OTHER_END`.
+"""Distance between the ends of two motions [rad or m] at which the cost of pairing them reaches `_OTHER_END`.
+For smaller distances, the cost is proportional to the distance.
 """
 
 
@@ -40,7 +41,9 @@ def pairs_of(first: Sequence[Act], second: Sequence[Act]) -> list[Pair]:
 
 
 def _key(act: Act) -> Hashable:
-    """Return a value that is equal only for commands whose effect is certainly the same."""
+    """Return a value that is equal for commands that are paired: for commands that do the same thing, or for
+    motions whose rounded ends are equal.
+    """
     if act.curve is None:
         return act.kind, act.what
     return act.kind, tuple(np.round(act.curve.points[-1] / _FINE).astype(int).tolist())
@@ -68,7 +71,7 @@ def _apart(first: Sequence[Act], second: Sequence[Act]) -> list[Pair]:
 
 
 def _closest(first: Sequence[Act], second: Sequence[Act]) -> list[Pair]:
-    """Return the pairs of commands with the smallest total cost that keep the order of both programs. A
+    """Pair commands so that the order of both programs is kept and the total cost is as small as possible. A
     command without a partner also has a cost.
     """
     n, m = len(first), len(second)

@@ -25,8 +25,8 @@ class PathDifference:
         angle: difference of the tool's orientation [rad].
         joint: the joint with the largest difference, from 0.
         joint_off: difference of this joint, in axis units.
-        at: place on the path, from 0 to 1, with the largest difference in position. If all positions are
-            equal, it is the place with the largest other difference.
+        at: place on the path, from 0 to 1, with the largest difference in position. If the tool's positions
+            are equal everywhere, it is the place with the largest difference of the joint `joint`.
     """
 
     position: float
@@ -40,7 +40,7 @@ SAME_PATH = PathDifference(0.0, 0.0, 0, 0.0, 0.0)
 
 
 def path_difference(robot: Robot, frame: str, curve: Curve, other: Curve) -> PathDifference:
-    """Compare two motions at equal shares of their lengths in joint space.
+    """Compare two motions at places where both have covered the same share of their length in joint space.
 
     Args:
         robot: robot of both motions.

@@ -34,7 +34,7 @@ def compared_lines(comparison: Comparison, *, all_commands: bool = False) -> Ite
             )
             if abs(value) > 1e-9
         ]
-        yield "~", f"~ the second starts elsewhere: {', '.join(parts)}"
+        yield "~", f"~ the second program starts elsewhere: {', '.join(parts)}"
     if comparison.holds_otherwise:
         yield from _watched_lines(comparison.first.watches, comparison.second.watches)
     shown = [command for command in comparison.commands if all_commands or command.status != "same"]
@@ -47,7 +47,7 @@ def compared_lines(comparison: Comparison, *, all_commands: bool = False) -> Ite
 
 
 def _watched_lines(first: Sequence[Watch], second: Sequence[Watch]) -> Iterator[tuple[str, str]]:
-    """Yield how two programs differ in the inputs that hold the motions."""
+    """Yield the differences between the inputs that two programs watch to hold the motions."""
     before, behind = ({(one.variable, one.value): one for one in watches} for watches in (first, second))
     yielded = False
     for key in dict.fromkeys((*before, *behind)):
@@ -62,11 +62,11 @@ def _watched_lines(first: Sequence[Watch], second: Sequence[Watch]) -> Iterator[
             sign, word = ("+", "added") if old is None else ("-", "removed")
             yield sign, f"{sign} when {name}: {word}: {one.reaction}"
         elif old.then == new.then and old.name == new.name:
-            yield "~", f"~ when {name}: {new.then} is another way"
+            yield "~", f"~ when {name}: {new.then} follows a different path"
         else:
             yield "~", f"~ when {name}: {old.name}: {old.reaction} -> {new.name}: {new.reaction}"
     if not yielded:
-        yield "~", "~ the inputs that hold the motions are watched in another order"
+        yield "~", "~ the inputs that hold the motions are watched in a different order"
 
 
 def _watched_json(watches: Sequence[Watch]) -> list[dict[str, object]]:

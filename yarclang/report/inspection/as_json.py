@@ -16,7 +16,7 @@ from yarclang.units import MS
 
 
 def inspected_json(inspected: Inspected) -> dict[str, Any]:
-    """Return as plain data everything that the text about an inspected command shows. Joints are given by
+    """Return an inspected command as plain data: everything that the text about it shows. Joints are given by
     name, and unknown values are null.
     """
     origin, robot = inspected.origin, inspected.robot

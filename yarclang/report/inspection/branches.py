@@ -16,12 +16,12 @@ from yarclang.robot.kinematics.within import EDGE, beyond, nearest_turn
 from yarclang.robot.model import Array, Robot
 
 MOST_TRIED = 24
-"""Largest number of solutions that are tried with the following motions."""
+"""Largest number of solutions that are tested by planning the following motions from them."""
 
 Verdict = Literal["chosen", "farther", "continuity", "fails later", "works", "out of limits"]
 Follow = Callable[[Array], str]
-"""Function that takes a joint position (n,), and returns a sentence about what fails if a motion ends there;
-empty if nothing fails.
+"""Function that takes a joint position (n,) at which a motion ends, and returns a sentence about what fails
+after this motion; empty if nothing fails.
 """
 
 
@@ -33,7 +33,7 @@ class Solution:
         q: (n,) [rad or m].
         distance: sum of squared joint differences from the reference position (rad and m).
         excess: (n,) distance of each joint beyond its limits [rad or m]; 0 within.
-        verdict: whether it was chosen, and if not, the kind of the reason.
+        verdict: chosen, or the kind of reason why the solution wasn't chosen.
         reason: the reason in words.
     """
 
@@ -62,8 +62,8 @@ def solutions_of(
         base_from_flange: (4, 4), the pose.
         reference: (n,) position from which the distance is measured [rad or m].
         chosen: (n,) the plan's solution; None if it has none.
-        follow: function that takes a solution, and returns what fails in the motions after it; empty for
-            nothing.
+        follow: function that takes a solution, and returns what fails in the motions after it; empty if
+            nothing fails.
         along_path: True if the motion keeps its inverse kinematics branch, so that there is no choice.
     """
     chain, limits = robot.chain, robot.limits
@@ -103,27 +103,31 @@ def _verdict(
     if chosen is not None and q is chosen:
         trouble = follow(q)
         if along_path:
-            return "chosen", trouble or "the path leads here in the configuration of its start"
+            return "chosen", trouble or "the path ends here in the configuration of its start"
         return "chosen", trouble or (
-            "nearest" if number == 0 else "the nearest from which what follows can be done"
+            "nearest" if number == 0 else "the nearest from which the following motions are possible"
         )
     if along_path:
-        return "continuity", "another configuration: the path doesn't change it on its way"
+        return "continuity", "another configuration: the path can't change the configuration"
     place = next((n for n, one in enumerate(within) if one is chosen), -1)
     needs_trial = place < 0 or number < place or bool(follow(within[place]))
     trouble = follow(q) if needs_trial and number < MOST_TRIED else ""
     if trouble:
         return "fails later", trouble
     if number < place:
-        return "works", "nearer, and what follows can be done from here: NEAR says something else"
+        return "works", "nearer, and the following motions are possible, but NEAR selects another one"
     if place >= 0:
-        worked = "; what follows can be done from here" if needs_trial and number < MOST_TRIED else ""
-        return "farther", f"farther than the one that is taken{worked}"
+        worked = (
+            "; the following motions are possible from here" if needs_trial and number < MOST_TRIED else ""
+        )
+        return "farther", f"farther than the chosen one{worked}"
     return "works", "within limits"
 
 
 def excess_text(robot: Robot, excess: Array) -> str:
-    """Return in words which joints are beyond their limits: `J3 12.5 deg above, J5 3 deg below its limit`."""
+    """Return the joints that are beyond their limits, in words: `J3 12.5 deg above, J5 3 deg below its
+    limit`.
+    """
     parts = [
         f"{name} by {abs(value) / unit:.4g} {unit_name} {'above' if value > 0 else 'below'}"
         for name, value, unit, unit_name in zip(

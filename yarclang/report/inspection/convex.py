@@ -18,7 +18,7 @@ class Divided:
     """A body whose mesh is divided into convex pieces.
 
     Attributes:
-        name: name of the body; of parts of the same kind, without a number.
+        name: name of the body. Several parts of one kind are one entry, whose name has no number.
         count: number of its pieces.
         most: largest number of pieces that the description allows.
     """
@@ -31,7 +31,7 @@ class Divided:
     def words(self) -> str:
         """The number of pieces in words."""
         pieces = f"{self.count} convex piece{'s' * (self.count != 1)}"
-        return f"{self.name} counts as {pieces}, of at most {self.most}"
+        return f"{self.name} is represented by {pieces}, of at most {self.most}"
 
 
 def divided_bodies(robot: Robot, cell: Cell | None) -> tuple[Divided, ...]:
@@ -50,8 +50,8 @@ def divided_bodies(robot: Robot, cell: Cell | None) -> tuple[Divided, ...]:
 
 
 def _shapes(robot: Robot, cell: Cell | None) -> Iterator[tuple[str, Shape, bool]]:
-    """Yield names and shapes of bodies, each with True if a mesh without `pieces` counts as its convex
-    hull.
+    """Yield for each body its name, its shape, and True if its mesh counts as one convex hull unless `pieces`
+    is given.
     """
     for link in robot.shapes:
         yield link.link, link.shape, True

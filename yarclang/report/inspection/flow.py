@@ -63,9 +63,9 @@ def flows_of(plan: MotionPlan, number: int) -> Flows:
 def flow_lines(flows: Flows) -> Iterator[str]:
     """Yield lines of text about the corners of a motion that are passed without a stop."""
     if flows.before is not None:
-        yield f"flows in from {_called(flows.before.first)} without a stop: {_together(flows.before)}"
+        yield f"continues from {_called(flows.before.first)} without a stop: {_together(flows.before)}"
     if flows.behind is not None:
-        yield f"flows on into {_called(flows.behind.second)} without a stop: {_together(flows.behind)}"
+        yield f"continues into {_called(flows.behind.second)} without a stop: {_together(flows.behind)}"
 
 
 def _together(corner: Flowing) -> str:

@@ -40,8 +40,8 @@ from yarclang.robot.model import Robot
 
 @frozen(eq=False)
 class Studied:
-    """A checked program: its findings, and the results of the compiler's stages that it reached. It is
-    planned and certified only if it has no errors.
+    """A checked program: its findings, and the results of the compiler's stages that the program reached. A
+    program is planned and certified only if it has no errors.
     """
 
     program: Program
@@ -79,19 +79,19 @@ class Inspected:
         robot: robot of the program.
         step: the command's step.
         number: number of this step in the program.
-        start: (n,) joint positions before it [rad or m]; None if unknown because of errors.
-        end: (n,) joint positions after it [rad or m]; None if unknown because of errors.
+        start: (n,) joint positions before the command [rad or m]; None if unknown because of errors.
+        end: (n,) joint positions after the command [rad or m]; None if unknown because of errors.
         motion: the planned motion; None for a command without motion, or one that can't be planned.
-        begins: its latest start in the program [s], with the longer branch of each WHEN before it; None if
-            unknown.
+        begins: latest time in the program at which the command begins [s]. For each WHEN before it, the
+            longer branch counts. None if unknown.
         total: duration of the program; None if unknown.
-        waypoints: the poses to which it goes.
-        pace: what limits its duration.
-        certificate: what is proved about it.
-        stretches: groups of its lines in the controller text.
+        waypoints: the poses to which the motion goes.
+        pace: what limits the motion's duration.
+        certificate: what is proved about the command.
+        stretches: groups of the command's lines in the controller text.
         text: lines of the controller text; empty if the program has errors.
         findings: findings about this command.
-        flows: its corners that are passed without a stop.
+        flows: the motion's corners that are passed without a stop.
         carries: parts that grippers hold during a motion.
         deeds: what a SET does to parts: verbs with the names of the parts.
         divided: bodies in convex pieces; empty for a command without motion.
@@ -124,7 +124,7 @@ class Inspected:
 
 
 def study(checked: Checked) -> Studied | None:
-    """Collect the results of a program that was checked with planning; None if its robot is unknown."""
+    """Collect the results of a check that includes planning; None if the program's robot is unknown."""
     if checked.program is None or checked.opened is None:
         return None
     return Studied(checked.program, checked.opened.request, checked.compiled, checked.diagnostics)

@@ -25,14 +25,14 @@ _TRIALS = 20
 
 @frozen
 class Limit:
-    """How much of one of the robot's limits a motion uses.
+    """The share of one of the robot's limits that a motion uses.
 
     Attributes:
         kind: kind of the limit.
         whose: joint or motor.
         share: largest share of the limit that the motion uses; 1 is the most that is allowed.
         time: time of the largest share, from the start of the motion [s].
-        s: share of the path at that time.
+        s: progress along the path at that time, from 0 to 1.
     """
 
     kind: str
@@ -44,12 +44,12 @@ class Limit:
 
 @frozen
 class Pace:
-    """What limits the duration of a motion.
+    """The limits that determine the duration of a motion.
 
     Attributes:
         limits: uses of the robot's limits, the largest share first.
-        shortest: shortest possible duration [s]; None if there is none, for a motion with a
-            timetable, and for one that begins or ends without a stop.
+        shortest: shortest possible duration [s]. None for a motion with a timetable, for a motion that begins
+            or ends without a stop, and if no duration is possible.
     """
 
     limits: tuple[Limit, ...]
@@ -57,7 +57,7 @@ class Pace:
 
     @property
     def is_shortest(self) -> bool:
-        """True if the limit with the largest share is fully used."""
+        """True if the motion uses more than 98 % of one of the limits."""
         return bool(self.limits) and self.limits[0].share > 1.0 - 0.02
 
 
@@ -72,8 +72,8 @@ def pace_of(
         start: (n,) start of the motion [rad or m].
         motion: the planned motion.
         request: settings with which it was planned.
-        flows: True if it begins or ends without a stop. Its time is then that of its chain of motions, and no
-            shortest duration is computed.
+        flows: True if the motion begins or ends without a stop. Its chain of motions then determines its
+            time, and no shortest duration is computed.
     """
     curve, robot = motion.curve, request.robot
     bounds = bounds_of(robot).reduced(step.timing.share, step.timing.ramp)
@@ -91,8 +91,8 @@ def pace_of(
 def _limit(robot: Robot, motion: PlannedMotion, demand: Demand) -> Limit:
     curve = motion.curve
     order = _ORDERS[demand.kind]
-    # A difference of order r that begins at control point i belongs to knot i + r/2 - 1: control points are
-    # one knot ahead of the knots.
+    # A difference of order r that begins at control point i belongs to knot i + r/2 - 1: control point i
+    # belongs to knot i - 1.
     knot = min(max(demand.at + order / 2.0 - 1.0, 0.0), float(curve.segments))
     s = float(np.interp(knot, np.arange(curve.segments + 1), knot_values(curve.law)))
     of_motor = demand.kind == "motor speed"
@@ -109,7 +109,7 @@ def _shortest(program: Program, step: Motion, start: Array, request: Request) ->
         return None
     duration = planned.value.motions[0].curve.duration
     for _ in range(_TRIALS):
-        # round up to few digits, so that the printed time is possible
+        # round up to whole milliseconds, so that the duration is still possible as it is printed
         duration = math.ceil(duration * 1e3 - 1e-6) / 1e3
         given = replace(quickest, timing=replace(quickest.timing, duration=duration))
         if plan_program(replace(program, start=start, steps=(given,)), request).value is not None:

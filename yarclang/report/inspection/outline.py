@@ -44,7 +44,7 @@ class Row:
     Attributes:
         depth: number of enclosing branches and loops.
         kind: `step`, `way` (a branch), `loop` or `block`.
-        label: the command's place, or the line of a word without an index.
+        label: the command's place; for a command without an index, its line.
         text: description of the step.
         takes: duration of a motion, a branch, or one pass of a loop; None for others.
         step: number of the step in the program.
@@ -86,7 +86,9 @@ class _Outline:
             for one in steps
             if isinstance(one, JointMove | LineMove) and one.search is not None
         }
-        """Texts of searches, by the register that gets the result."""
+        """Names of the inputs for which the program searches, by the register that becomes 1 when the input
+        is found.
+        """
 
     def rows(self) -> Iterator[Row]:
         """Yield the lines from the first step on."""
@@ -116,11 +118,12 @@ class _Outline:
     def _loop(self, number: int, depth: int) -> Iterator[Row]:
         step, end = self._steps[number], self._ends[number][1]
         is_sub = not any(isinstance(one, NextPass) for one in self._steps[number:end])
-        # the longest time of a loop is that of a whole pass, the shortest is the time until it is left
+        # the longest duration of a loop is the duration of a whole pass; the shortest is the time until the
+        # loop is left
         told = self._branch_taken(number, end + 1)
         if not any(isinstance(one, Loop) for one in self._steps[number + 1 : end]):
             told = replace(told, loops=False)
-        text = "a SUB that some ways leave" if is_sub else "again and again, a pass"
+        text = "a SUB that some branches leave" if is_sub else "repeated; one pass"
         assert isinstance(step, Loop)
         yield Row(
             depth, "block" if is_sub else "loop", _label(step), f"{step.origin.name}: {text}", told, number
@@ -136,7 +139,8 @@ class _Outline:
             shift_text = f"{self._found[flag]} is found"
         if step.offset is not None:
             shift_text = (
-                f"{{{step.offset.name}}} by {offset_words(step.offset)}, if it can be carried out there"
+                f"{{{step.offset.name}}} by {offset_words(step.offset)}, if the lines can be carried out "
+                "there"
             )
         text = f"{step.origin.name} {shift_text}{limit}"
         yield Row(depth, "way", _label(step), text, self._branch_taken(number + 1, first), number)
@@ -152,8 +156,8 @@ class _Outline:
 
 
 def _ends(steps: Sequence[Step]) -> dict[int, tuple[int | None, int]]:
-    """Return the numbers of the steps at the ELSE (None without one) and at the end of each WHEN and loop. If
-    one has no end, it ends with the program.
+    """Return for each WHEN and loop the numbers of the steps with its ELSE (None without an ELSE) and its
+    END. A WHEN or loop without END ends with the program.
     """
     ends: dict[int, tuple[int | None, int]] = {}
     opened: list[tuple[int, int | None]] = []
@@ -184,7 +188,7 @@ def _said(step: When) -> str:
 
 
 def _label(step: Step) -> str:
-    assert not isinstance(step, Gap)  # steps that aren't understood have no line
+    assert not isinstance(step, Gap)  # steps with errors have no line in the outline
     return step.origin.label or f"line {step.origin.span.line}"
 
 
@@ -214,7 +218,7 @@ def _text(step: Step) -> str:
         case Finish(fails=fails, text=text):
             return f'ABORT "{text}"' if fails else "STOP"
         case NextPass():
-            return "begin the loop anew"
+            return "begin the next pass of the loop"
         case _:
             return ""
 

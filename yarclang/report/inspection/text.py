@@ -50,11 +50,12 @@ from yarclang.robot.model import Array, Robot
 from yarclang.units import DEG, MM, MS
 
 FEW = 3
-"""Number of lines of controller text that are shown at the beginning and at the end."""
+"""Number of lines of controller text that are shown at the beginning and at the end of each group of lines.
+"""
 
 _NO_SHORTER = 2e-3
-"""A duration that is longer than the shortest possible one by less than this [s] counts as the shortest,
-since the shortest duration is rounded up.
+"""A duration that exceeds the shortest possible duration by less than this [s] counts as the shortest, since
+the shortest possible duration is rounded up.
 """
 
 _MOST_SOLUTIONS = 12
@@ -115,9 +116,9 @@ def _command(inspected: Inspected) -> Iterator[str]:
                 f": at most {up_to(most(rule.largest, DEG), 4)} deg off the axis, "
                 f"{down_to(least(rule.nearest, MM), 6)} to {up_to(most(rule.farthest, MM), 6)} mm away"
             )
-        yield f"keeps to {printable(rule.rule)}{reached}"
+        yield f"observes KEEP {printable(rule.rule)}{reached}"
     for one in () if inspected.certificate is None else inspected.certificate.may_touch:
-        needed = "they touch, or come nearer than a margin" if one.needed else "they keep apart all the same"
+        needed = "they touch, or come nearer than a margin" if one.needed else "they stay apart anyway"
         yield f"not checked: {printable(one.pair)} may touch, allowed by {one.giver}; {needed}"
 
 
@@ -126,55 +127,54 @@ def _effect(inspected: Inspected, step: Step) -> str | None:
     match step:
         case JointMove(search=Search() as one) | LineMove(search=Search() as one):
             return (
-                f"it ends where {one.name} ({one.variable}) becomes {_state(one.value)}; what follows is "
-                "planned and proved from there when it runs"
+                f"it ends when {one.name} ({one.variable}) becomes {_state(one.value)}; the next motions "
+                "are planned and proved from that place at run time"
             )
         case Dwell(duration=duration):
-            return f"the robot stands for {duration:g} s"
+            return f"the robot waits for {duration:g} s"
         case SetOutput(output=output, value=value):
             return f"{when_set(inspected.flows)} {output.name} ({output.variable}) becomes {_state(value)}"
         case WaitInput(input=signal, value=value, timeout=timeout):
-            until = f", at most {timeout:g} s" if timeout is not None else ", however long"
-            return f"the robot stands until {signal.name} ({signal.variable}) is {_state(value)}{until}"
+            until = f", at most {timeout:g} s" if timeout is not None else ", without a time limit"
+            return f"the robot waits until {signal.name} ({signal.variable}) is {_state(value)}{until}"
         case WaitUntil(condition=condition, timeout=timeout):
-            until = f", at most {timeout:g} s" if timeout is not None else ", however long"
-            return f"the robot stands until {in_words(condition)}{until}"
+            until = f", at most {timeout:g} s" if timeout is not None else ", without a time limit"
+            return f"the robot waits until {in_words(condition)}{until}"
         case Hold(text=text, register=register) if register:
             return (
-                f"the robot stands until the operator answers: {printable(text)}; {register} gets the answer"
+                f"the robot waits until the operator answers: {printable(text)}; {register} gets the answer"
             )
         case Hold(text=text):
-            return f"the robot stands until the operator goes on{f': {printable(text)}' if text else ''}"
+            return f"the robot waits until the operator continues{f': {printable(text)}' if text else ''}"
         case When(condition=condition, within=float(within)):
             return (
-                f"the robot stands until {in_words(condition)}, or until {within:g} s are over: then the "
-                "lines after ELSE are carried out"
+                f"the robot waits until {in_words(condition)}, or until {within:g} s are over: then the "
+                "lines of ELSE are carried out"
             )
         case When(offset=Offset() as offset):
             return (
                 f"{{{offset.name}}} is shifted by {offset_words(offset)}: the lines up to END are planned "
-                "and proved there when it runs, and refused into the ELSE; what stands here is the place "
-                "without a shift"
+                "and proved there at run time, or the lines of ELSE run; shown here is the unshifted place"
             )
         case When(condition=condition):
             compared = simple(condition)
             if compared is None:
-                return f"the way parts: is {in_words(condition)}?"
+                return f"the program branches: is {in_words(condition)}?"
             read, wanted = compared
-            return f"the way parts: is {read.name} ({read.variable}) {_state(wanted)}?"
+            return f"the program branches: is {read.name} ({read.variable}) {_state(wanted)}?"
         case Loop():
-            return "a loop begins: what follows is done again and again, up to its end"
+            return "a loop begins: its lines are repeated"
         case NextPass():
             return "the loop begins anew"
         case Exit():
             return "the SUB is left" if step.origin.name == "RETURN" else "the loop is left"
         case Say(text=name, teaches=teaches) if teaches:
             what = "its joints are" if teaches == "joints" else "the pose of {TCP} in {B} is"
-            return f"where the robot stands is taught: {what} kept as {name}"
+            return f"the position of the robot is taught: {what} stored as {name}"
         case Say(text=text):
-            return f"the operator is told: {printable(text)}"
+            return f"the operator sees: {printable(text)}"
         case Finish(fails=fails, text=text):
-            return f"the program ends as a fault: {printable(text)}" if fails else "the program ends"
+            return f"the program ends with a fault: {printable(text)}" if fails else "the program ends"
         case Assign(target=Signal(name=name, variable=variable), value=number):
             return f"the output {name} ({shown_variable(variable)}) becomes {in_words(number)}"
         case Assign(target=register, value=number):
@@ -190,7 +190,7 @@ def _state(value: float) -> str:
 def _frames(inspected: Inspected) -> Iterator[str]:
     origin = inspected.origin
     if origin.moving is None and origin.base is None:
-        yield "joint values need none"
+        yield "joint values need no frame"
         return
     for label, link in (("moves", origin.moving), ("values in", origin.base)):
         if link is None:
@@ -207,7 +207,7 @@ def _link(label: str, link: FrameLink) -> str:
     if link.parent is None:
         return (
             f"{label:9}  {name:12}  "
-            f"{'the robot ends there' if link.name == 'FLANGE' else 'the robot stands there'}"
+            f"{'the robot ends there' if link.name == 'FLANGE' else 'the robot is there'}"
         )
     where = (
         "the robot's" if link.source is None or link.span is None else f"{link.source.name}:{link.span.line}"
@@ -224,7 +224,7 @@ def _target(inspected: Inspected) -> Iterator[str]:
         yield f"increment  {pose_text(pose)}"
     name = f"{{{origin.moving.name}}}" if origin.moving is not None else "the frame"
     for number, waypoint in enumerate(inspected.waypoints, 1):
-        which = f"way-point {number}: " if len(inspected.waypoints) > 1 else ""
+        which = f"waypoint {number}: " if len(inspected.waypoints) > 1 else ""
         if origin.base is not None and origin.base.name != "B" and chain_of(origin.base)[-1].name == "B":
             in_base = np.linalg.inv(chain_pose(origin.base)) @ waypoint.pose
             yield f"{which}{name} at {pose_text(in_base)} in {{{origin.base.name}}}"
@@ -233,7 +233,7 @@ def _target(inspected: Inspected) -> Iterator[str]:
         frame = "TCP" if "TCP" in robot.flange_from_frame else "FLANGE"
         pose = tool_poses(robot.chain, inspected.end[None], robot.flange_from_frame[frame])[0]
         if isinstance(inspected.step.end, JointGoal):
-            yield "joint values; they bring"
+            yield "joint values; they move"
         yield f"{{{frame}}} to {pose_text(pose)} in {{B}}"
 
 
@@ -241,7 +241,7 @@ def _joints(inspected: Inspected) -> Iterator[str]:
     robot = inspected.robot
     start, end = inspected.start, inspected.end
     if start is None:
-        yield "where the robot stands isn't known: errors before this command hide it"
+        yield "the position of the robot isn't known, because of errors before this command"
         if end is None:
             return
     moves = isinstance(inspected.step, Motion)
@@ -284,15 +284,15 @@ def table(rows: Sequence[tuple[str, ...]]) -> Iterator[str]:
 def _solutions(inspected: Inspected, number: int) -> tuple[str, Iterator[str]]:
     waypoint, robot = inspected.waypoints[number], inspected.robot
     many = len(inspected.waypoints) > 1
-    title = f"solutions of way-point {number + 1}" if many else "solutions"
+    title = f"solutions of waypoint {number + 1}" if many else "solutions"
     return title, _solution_lines(waypoint, robot, inspected.start is not None)
 
 
 def _solution_lines(waypoint: WayPoint, robot: Robot, is_known: bool) -> Iterator[str]:
     if waypoint.near:
-        yield "the distance counts from what NEAR names"
+        yield "the distance is measured from the position of NEAR"
     elif not is_known:
-        yield "the distance counts from HOME, since the start isn't known"
+        yield "the distance is measured from HOME, because the start isn't known"
     if (missed := waypoint.unreachable) is not None and missed.kind == "reach":
         turn = f" and {missed.miss_angle / DEG:.3g} deg" if missed.miss_angle > 1e-3 else ""
         yield f"none: the pose is out of reach by {missed.miss / MM:.4g} mm{turn}"
@@ -333,7 +333,10 @@ def _time(inspected: Inspected) -> Iterator[str]:
         asked_time = _asked_time(timing)
         law = f"{inspected.motion.profile}, " if inspected.motion.profile else ""
         if any(one.is_error for one in inspected.findings):
-            yield f"the time that is asked for, {asked_time}, can't be held; below, the shortest is looked at"
+            yield (
+                f"the requested time, {asked_time}, isn't possible; the values below are for the shortest "
+                "time"
+            )
             asked_time = "the shortest"
         if isinstance(inspected.step, TimedMove):
             yield from _table(inspected.step)
@@ -357,7 +360,7 @@ def _table(step: TimedMove) -> Iterator[str]:
     given_values = "velocities" if table.accelerations is None else "velocities and accelerations"
     whence = f"timetable in {step.file}" if step.file else "timetable"
     said = f" with {given_values}" if table.velocities is not None else ""
-    stretched = f", all times times {step.stretch:.10g}" if step.stretch != 1.0 else ""
+    stretched = f", all times multiplied by {step.stretch:.10g}" if step.stretch != 1.0 else ""
     yield (
         f"{whence}: {rows:,} row{'s' * (rows != 1)}{said}, from {table.times[0]:.10g} to "
         f"{table.times[-1]:.10g} s{stretched}"
@@ -375,8 +378,8 @@ def _table(step: TimedMove) -> Iterator[str]:
 
 
 _AT_ITS_SPEED = 0.99
-"""Share of a zone's speed, or of a command's speed limit (V<=), from which on it is said to limit the
-motion.
+"""Share of a speed limit (of a zone, or of the command's V<=) above which this limit is reported as the
+reason for the motion's duration.
 """
 
 
@@ -402,14 +405,14 @@ def _pace(pace: Pace, duration: float) -> Iterator[str]:
     rest = ", ".join(f"{one.kind} {one.whose} {one.share * 100:.0f} %" for one in others)
     yield f"others at most: {rest}"
     if pace.shortest is not None and duration - pace.shortest < _NO_SHORTER:
-        yield "no shorter time works"
+        yield "no shorter time is possible"
     elif pace.shortest is not None:
-        yield f"the shortest time that works is {pace.shortest:.3f} s"
+        yield f"the shortest possible time is {pace.shortest:.3f} s"
 
 
 def _limit_text(limit: Limit) -> str:
     return (
-        f"{limit.kind} of {limit.whose}: {limit.share * 100:.1f} % of what may be used, {limit.time:.3f} s "
+        f"{limit.kind} of {limit.whose}: {limit.share * 100:.1f} % of the usable limit, {limit.time:.3f} s "
         f"after its start ({limit.s * 100:.0f} % of the way)"
     )
 
@@ -424,8 +427,7 @@ def _certificate(certificate: CommandCertificate | None) -> Iterator[str]:
     )
     end = f"{bound_text(deviation.end_position, MM)} mm, {bound_text(deviation.end_angle, DEG)} deg"
     yield (
-        f"path within {path} of the programmed one (of that {left} for what lies between the places looked "
-        "at)"
+        f"path within {path} of the programmed one (of which {left} is the bound between the checked places)"
     )
     yield f"end within {end} of the target"
     loads = (

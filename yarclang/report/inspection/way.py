@@ -38,7 +38,7 @@ class Way:
 
 
 def steps_to(program: Program, number: int) -> tuple[Step, ...]:
-    """Return the steps that lead to a step, as one straight sequence (see `line_to`)."""
+    """Return the steps before a step as a sequence without branches and loops (see `line_to`)."""
     return tuple(line_to(program.steps[:number]))
 
 
@@ -52,7 +52,7 @@ def way_to(program: Program, number: int, request: Request) -> Way:
     planned = plan_program(replace(program, start=start, steps=(alone(step),)), request)
     if planned.value is not None and planned.value.motions:
         return Way(start, planned.value.motions[0])
-    if isinstance(step, TimedMove):  # its table determines it, regardless of the time
+    if isinstance(step, TimedMove):  # the motion is given by its table: another duration wouldn't help
         return Way(start, None)
     relaxed = replace(alone(step), timing=replace(step.timing, duration=None, speed=None))
     again = plan_program(replace(program, start=start, steps=(relaxed,)), request)
@@ -74,13 +74,13 @@ def stands_before(program: Program, number: int, request: Request) -> Array | No
 
 
 def alone(step: Motion) -> Motion:
-    """Return a motion in a form that ends at rest, without its blend."""
+    """Return a copy of a motion without its blend, so that it ends at rest."""
     return replace(step, blend=None)
 
 
 def trouble_behind(program: Program, number: int, stands: Array, request: Request) -> str:
-    """Return what fails in the Cartesian motions directly after step `number` if this step ends at joint
-    positions `stands` (n,) [rad or m].
+    """Plan the Cartesian motions directly after step `number`, as if this step ended at the joint position
+    `stands` (n,) [rad or m], and return what fails.
 
     Returns:
         The first error in words; empty for none.
@@ -105,8 +105,8 @@ def trouble_behind(program: Program, number: int, stands: Array, request: Reques
 
 
 def _behind(program: Program, start: Array, line: tuple[Step, ...], request: Request) -> Array | None:
-    """Return the joint positions after a group of steps that begins at `start`; None if a step can't be
-    planned.
+    """Return the joint position after the steps `line`, if the robot is at `start` before them; None if a
+    step can't be planned.
     """
     if any(isinstance(one, Gap | Stop | Finish) for one in line):
         return None

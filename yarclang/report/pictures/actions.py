@@ -1,5 +1,5 @@
-"""Find what a program does besides its motions, and when in its plan: waits, outputs that it sets, and inputs
-for which it waits.
+"""Find the actions of a program besides its motions, with their times in the plan: waits, outputs that it
+sets, and inputs for which it waits.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class Action:
     """A wait, a dwell, or the setting of an output, as shown in a picture.
 
     Attributes:
-        sort: which of these it is.
+        sort: kind of the action.
         text: text to be shown.
         start: time of its beginning [s].
         end: time of its end in the plan [s]. Waiting for an input takes no time in the plan.
@@ -93,16 +93,16 @@ def planned_signals(plan: MotionPlan) -> tuple[SignalRow, ...]:
 
 
 class _Followed:
-    """Values of the outputs along the steps of a program."""
+    """Collects the values of outputs and the waits for inputs, step by step through a program."""
 
     def __init__(self) -> None:
         self._stretches: dict[tuple[str, bool], list[tuple[float, float, float]]] = {}
         self._waits: dict[tuple[str, bool], list[tuple[float, float, bool]]] = {}
-        self._now: dict[str, tuple[float, float]] = {}  # value, and since when it is drawn
+        self._now: dict[str, tuple[float, float]] = {}  # value, and the time from which it is drawn
         self._before: list[tuple[dict[str, float], dict[str, float] | None]] = []
 
     def step(self, step: Step, time: float) -> None:
-        """Follow one step that begins at `time` [s]."""
+        """Take into account the next step, which begins at `time` [s]."""
         match step:
             case SetOutput(output=Signal(name=name), value=value):
                 self._set(name, value, time)

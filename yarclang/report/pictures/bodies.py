@@ -31,7 +31,7 @@ corners.
 """
 
 _DIRECTIONS = 160
-"""Number of directions in which the extreme corners of such a body are searched."""
+"""Number of directions in which the extreme corners of a body are searched to draw it as their hull."""
 
 _PLANE = 2400.0
 """Edge length of the part of a half space's border that is drawn [mm]."""
@@ -111,8 +111,8 @@ def _links(robot: Robot, q: Array) -> Iterator[_Placed]:
 
 
 def _moved(robot: Robot, q: Array) -> Array:
-    """Return the transforms by which the first k joints move a body at joint positions `q`, for k = 0 ... n,
-    as (n + 1, 4, 4).
+    """Return the transforms (n + 1, 4, 4) of bodies at the joint position `q`: item k moves a body that the
+    first k joints carry.
     """
     chain, own = robot.chain, robot.chain.kinematics
     pose = placements(chain.screws, q[None]) if own is None else own.placements(chain, q[None])
@@ -149,7 +149,7 @@ def _zones(cell: Cell) -> Iterator[Body]:
                 corners = np.array([[-half, -half, 0], [half, -half, 0], [half, half, 0], [-half, half, 0]])
                 plane = Solid(corners, np.array([[0, 1, 2], [0, 2, 3]]))
                 yield Body(zone.name, "zone", zone.rule, _triangles(plane, pose))
-            case _:  # a window of the joints has no place
+            case _:  # a zone that only limits the joints has no shape
                 pass
 
 
@@ -222,8 +222,8 @@ def _cut(triangles: Array, axis: int, sign: float, bound: float) -> Array:
     beyond = sign * (triangles[:, :, axis] - bound)
     outside = beyond > 0.0
     count = outside.sum(axis=1)
-    # rotate the corners of each triangle that the plane cuts, so that the corner that is alone on its side
-    # comes first
+    # rotate the corners of each triangle that the plane cuts: the corner that is alone on its side of the
+    # plane comes first
     single = np.where(count == 1, outside.argmax(axis=1), (~outside).argmax(axis=1))
     order = (np.arange(3) + single[:, None]) % 3
     rows = np.arange(len(triangles))[:, None]

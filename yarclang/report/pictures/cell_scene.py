@@ -42,8 +42,8 @@ _ZONES: dict[str, Colour] = {
 }
 
 _AROUND = 0.25
-"""Width of the margin around the robot and the path within which the cell is drawn, as a share of the longest
-side of the box around them.
+"""Distance around the robot and the path within which the cell is drawn, as a share of the longest side of
+the box around robot and path.
 """
 
 _FINEST = 14
@@ -54,7 +54,7 @@ _LIGHT = np.array([0.35, -0.55, 0.76])
 
 _FACING_AWAY = -0.25
 """Cosine of the angle between a triangle's normal and the direction to the viewer below which the triangle
-isn't drawn. It allows for perspective.
+isn't drawn. It is less than 0 because of the perspective: triangles that face slightly away may be visible.
 """
 
 _MOST_NAMES = 24
@@ -98,7 +98,9 @@ def _title(surroundings: Surroundings) -> str:
 
 
 def _box(points: Array, surroundings: Surroundings) -> tuple[Array, Array]:
-    """Return the box around robot, parts and path, and the bodies near them."""
+    """Return the corners of the box around robot, tools and path. On sides with other bodies, the box is
+    larger by up to the margin `_AROUND`.
+    """
     low, high = box_of(body for body in surroundings.bodies if body.kind in ("robot", "tool"))
     low, high = np.minimum(low, points.min(axis=0)), np.maximum(high, points.max(axis=0))
     spare = _AROUND * float((high - low).max())

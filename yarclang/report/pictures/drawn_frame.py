@@ -53,6 +53,8 @@ def led_by(step: Step) -> DrawnFrame | None:
 
 
 def _tool_name(robot: Robot) -> str:
-    """Return {TCP} if it exists, otherwise the first frame on the flange."""
+    """Return TCP if the robot has this frame, otherwise its first frame on the flange; FLANGE if there is no
+    other.
+    """
     names = list(robot.flange_from_frame)
     return "TCP" if "TCP" in names else next((name for name in names if name != "FLANGE"), "FLANGE")

@@ -1,4 +1,4 @@
-"""Draw the workspace of an arm: where it can hold its flange."""
+"""Draw the workspace of an arm: for each position, in how many orientations the arm can hold its flange."""
 
 from __future__ import annotations
 

@@ -19,14 +19,14 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 HEIGHT = 0.6
-"""Height of each row, relative to that of a joint quantity."""
+"""Height of each row, relative to the row of a joint quantity."""
 MOST_ROWS = 4
-"""Largest number of rows that are drawn."""
+"""Largest number of rows of KEEP rules that are drawn."""
 
 _CURVE_COLOUR = "#3B3B6D"
 _LIMIT_COLOUR = "#B2182B"
 _SAMPLES = 2000
-"""Number of samples of a rule, which are distributed over the times at which it holds."""
+"""Number of samples of a rule, distributed over the intervals in which it is in force."""
 _FEWEST = 12
 """Smallest number of samples of each interval of time in which a rule is in force."""
 _LONGEST_TITLE = 70
@@ -88,7 +88,7 @@ def draw_kept(axes: Axes, row: KeptRow, factor: float, unit: str, width: float) 
         The values nearest to the limits, in words.
     """
     values, times = row.quantity.values, row.times / factor
-    # NaN between two times at which the rule holds interrupts the curve
+    # insert NaN between the intervals in which the rule is in force, to interrupt the curve
     axes.plot(
         np.insert(times, row.breaks[1:], times[row.breaks[1:]]),
         np.insert(values, row.breaks[1:], np.nan),

@@ -16,14 +16,14 @@ Colour = tuple[float, float, float]
 _JOINTS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00", "#56B4E9", "#000000")
 
 _STYLES: tuple[Literal["-", "--", ":"], ...] = ("-", "--", ":")
-"""Line styles. Joints beyond the seventh repeat the colours with another style."""
+"""Line styles of joints. From the eighth joint on, the colours are used again with the next style."""
 
 CORNER_COLOUR = "#E66100"
 """Colour of corners that are passed without a stop."""
 
 MOST_BARS = 256
-"""Largest number of bars and colours in a picture. If there are more commands, neighbours share a bar,
-because they couldn't be distinguished.
+"""Largest number of bars and colours in a picture. If there are more motions, consecutive motions share a
+bar, because smaller bars couldn't be distinguished.
 """
 
 
@@ -68,8 +68,8 @@ def joint_style(joint: int) -> tuple[str, Literal["-", "--", ":"]]:
 def bars_of(plan: MotionPlan) -> tuple[Bar, ...]:
     """Group the motions of a plan into at most `MOST_BARS` bars with colours.
 
-    The lines of the program have the colours of viridis, in their order. Passes of a loop, and calls of a
-    SUB, have the colours of their lines.
+    The lines of the program get the colours of viridis in their order. All motions of one line, as in the
+    passes of a loop or the calls of a SUB, have the same colour.
     """
     from matplotlib import colormaps
 
@@ -82,7 +82,7 @@ def bars_of(plan: MotionPlan) -> tuple[Bar, ...]:
     rank = {line: place for place, line in enumerate(dict.fromkeys(lines))}
     bars = []
     for first, end, origin, line in zip(firsts, bounds[1:], origins, lines, strict=True):
-        # leave out both ends of viridis: the brightest colours can't be seen on white
+        # use only the middle of viridis: its brightest colours can't be seen on white
         red, green, blue, _ = colormaps["viridis"](0.10 + 0.72 * (rank[line] / max(len(rank) - 1, 1)))
         is_light = 0.299 * red + 0.587 * green + 0.114 * blue > 0.5
         bars.append(

@@ -40,8 +40,8 @@ _LEFT, _RIGHT, _TOP, _BOTTOM = 0.052, 0.625, 0.895, 0.045
 _LIMIT_COLOUR = "#B2182B"
 
 _ZOOMED_BELOW = 40.0
-"""If the largest value [%] of a quantity is below this, the quantity gets most of its panel's height, and the
-range up to the limit gets the rest.
+"""If the largest value [%] of a quantity is below this, the panel is zoomed: the range of the values gets
+most of the height, and the range from there to the limit gets the rest.
 """
 
 _LEAST_INNER = 1.0
@@ -53,10 +53,10 @@ _NOTHING = 1e-7
 """Values below this are rounding errors [%]."""
 
 _ZOOMED_HEIGHT = 0.78
-"""Share of the height between the limits that a zoomed quantity gets."""
+"""Share of the height between the two limits that a zoomed quantity gets; the rest is compressed."""
 
 _CORNER_SHADE = 0.16
-"""Opacity of corners in a panel."""
+"""Opacity of the shading that marks the times of blended corners in a panel."""
 
 _APART = 14.0
 """Smallest distance of two texts above a panel [pixels]."""
@@ -131,8 +131,8 @@ def draw_panels(figure: Figure, plan: MotionPlan, shown: Shown) -> None:
 
 
 def _quantities(robot: Robot, trace: Trace) -> list[_Panel]:
-    """Return the panels that show shares of limits. Limits that are named in a panel are those of joints, in
-    deg or mm.
+    """Return the panels that show shares of limits. For joints, the largest value is also written in its own
+    unit.
     """
     joints, units = joint_labels(robot.joint_names), robot.axis_unit_names
     rates = tuple(
@@ -207,7 +207,7 @@ class Shown:
 
 @frozen
 class _Drawn:
-    """Unit of the time axis, the unit's name, and the width of lines."""
+    """Unit of the time axis [s], the unit's name, and the width of the curves' lines."""
 
     factor: float
     unit: str
@@ -232,7 +232,8 @@ class _Panel:
         names: names of the columns.
         note: a remark.
         height: height relative to the other panels.
-        limits: limits by which the values are divided; None if they aren't named.
+        limits: limits by which the values were divided. With them, the largest value is also written in its
+            own unit. None: it is written only as a share.
     """
 
     title: str
@@ -262,7 +263,7 @@ def _peak_text(peak: Peak, panel: _Panel, drawn: _Drawn) -> str:
 
 def _draw_quantity(axes: Axes, times: Array, percent: Array, width: float) -> None:
     """Draw `percent` (N, n) over `times` (N,), with the limits at +100 % and -100 %."""
-    # draw the curves that vary most first, because dense lines would cover the others
+    # draw the curves with the largest values first, because they would cover the others
     for column in np.argsort(-np.abs(percent).mean(axis=0), kind="stable"):
         colour, style = joint_style(int(column))
         axes.plot(times, percent[:, column], color=colour, linestyle=style, linewidth=width, zorder=3)

@@ -62,8 +62,8 @@ def passed_corners(plan: MotionPlan, frame: DrawnFrame) -> Passed:
 
 
 def _radius(plan: MotionPlan, number: int, frame: DrawnFrame) -> float:
-    """Return how far the drawn frame may be from a corner while it passes [mm]; NaN if no distance is given
-    for this frame.
+    """Return the largest allowed distance of the drawn frame from a corner while it passes the corner [mm];
+    NaN if the blend gives no distance for this frame.
     """
     step = plan.program.steps[plan.motions[number].step]
     assert isinstance(step, Motion)

@@ -23,7 +23,9 @@ _MARKS = {"set": ("^", OUTPUT), "wait": ("D", WAIT)}
 _DWELL_COLOUR = "0.75"
 
 _BELOW = -0.42
-"""Height of the row of actions, in heights of the ribbon."""
+"""Vertical position of the row of actions, as a share of the ribbon's height; negative values are below the
+ribbon.
+"""
 
 _LONGEST = 40
 """Largest number of characters of an action's text."""

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 def draw_scene(figure: Figure, path: ToolPath, bars: tuple[Bar, ...], corners: Passed, place: Place) -> None:
-    """Draw the tool's path with each command in its colour, the way-points, the corners that are passed
+    """Draw the tool's path with each command in its colour, the waypoints, the corners that are passed
     without a stop, and start and end.
     """
     axes = space_axes(figure, place, "path")
@@ -36,7 +36,7 @@ def draw_scene(figure: Figure, path: ToolPath, bars: tuple[Bar, ...], corners: P
         _draw_floor(axes, path, float(low[2]), max(width / 2.0, 0.5))
     draw_path(axes, path, bars, width)
     if len(path.waypoints):
-        label = "way-points" if path.every == 1 else f"way-points (one of {path.every})"
+        label = "waypoints" if path.every == 1 else f"waypoints (one of {path.every})"
         size = 22 if len(path.waypoints) <= 60 else 6
         axes.scatter(
             *path.waypoints.T,
@@ -50,7 +50,7 @@ def draw_scene(figure: Figure, path: ToolPath, bars: tuple[Bar, ...], corners: P
         )
     if len(corners):
         _draw_corners(axes, corners)
-    # draw a ring around a square, so that both are visible if a program ends at its start
+    # draw the start as a ring around the square of the end, so that both are visible if they coincide
     axes.scatter(
         *path.points[0],
         s=130,

@@ -14,14 +14,14 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 MOST_ROWS = 8
-"""Largest number of signals that have a row. Signals that are reported first are chosen."""
+"""Largest number of signals that have a row. The signals that are reported first get the rows."""
 OUTPUT, INPUT, WAIT = "#0072B2", "#009E73", "#E69F00"
 _LONGEST = 12
 """Largest number of characters of a name."""
 _MOST_TEXTS = 40
-"""Largest number of values of a signal that are written."""
+"""Largest number of values of a signal that are written into its row."""
 _HIGH = 0.62
-"""Share of a row's height that is drawn."""
+"""Distance between the lines for ON and OFF in a row, as a share of the row's height."""
 
 
 @frozen(eq=False)
@@ -49,7 +49,7 @@ def draw_rows(axes: Axes, rows: tuple[SignalRow, ...], end: float, factor: float
         axes: axes to draw on.
         rows: the signals, of which `MOST_ROWS` are drawn.
         end: end of the time axis [s].
-        factor: seconds in the axis's unit.
+        factor: unit of the time axis [s].
     """
     drawn_rows = rows[:MOST_ROWS]
     for row, signal in enumerate(drawn_rows):

@@ -41,7 +41,7 @@ _LINES: dict[Sort, tuple[float, Any, str]] = {
     "led": (1.0, "-", "other path of the tool"),
     "joints": (0.75, (0, (3.5, 1.6)), "motion of the joints"),
 }
-"""Width relative to other lines, style, and label, for each sort of motion."""
+"""Relative line width, line style and label for each kind of motion."""
 
 
 def space_axes(figure: Figure, place: Place, label: str) -> Any:

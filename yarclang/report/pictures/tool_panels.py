@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 HEIGHT = 0.6
-"""Height of each row, relative to that of a joint quantity."""
+"""Height of each row, relative to the row of a joint quantity."""
 
 _TOOL_COLOUR = "#3B3B6D"
 _WANTED_COLOUR = "#B2182B"
@@ -28,8 +28,9 @@ _LEAST_TOP = 0.1
 """Smallest upper end of the scale for the singular value."""
 
 _ZOOMED_BELOW = 0.4
-"""If the requested speeds are below this share of the tool's largest speed, they get `_ZOOMED_HEIGHT` of the
-panel's height.
+"""Limit for zooming the panel of speeds, as a share of the tool's largest speed. If 1.25 times the requested
+speed is at most this share, the panel is zoomed: the range from 0 to 1.25 times the requested speed gets the
+share `_ZOOMED_HEIGHT` of the panel's height.
 """
 
 _ZOOMED_HEIGHT = 0.75
@@ -46,7 +47,7 @@ _LEAST_CLEARANCE = 20.0
 """Smallest upper end of the clearance's scale [mm]."""
 
 _HIGHEST_TICK = 0.92
-"""Highest number on a scale, as a share of the scale's height."""
+"""Share of a scale's height above which no number is written, because it would touch the panel above."""
 
 _STILL = 1e-6
 """Speeds below this are rounding errors [mm/s]."""

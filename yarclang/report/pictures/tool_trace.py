@@ -36,7 +36,7 @@ class ToolTrace:
         times: (N,) never decreasing [s].
         speed: (N,) speed of the frame's origin in {B} [mm/s].
         singular: (N,) smallest singular value of the weighted Jacobian: 0 at a singularity, 0.1 to 0.5 far
-            from one.
+            from any singularity.
         wanted: (k, 3) speeds that commands request: start [s], end [s], and speed [mm/s].
     """
 
@@ -96,7 +96,8 @@ def _followed(plan: MotionPlan, frame: DrawnFrame, times: Array) -> Array:
 def _requested(plan: MotionPlan, frame: DrawnFrame, fastest: float) -> Array:
     """Return the speeds (k, 3) that commands request for a frame: start [s], end [s], and speed [mm/s].
 
-    Upper limits on the speed (V<=) are included if they are below twice the frame's `fastest` speed [mm/s].
+    Upper limits on the speed (V<=) are included if they are below twice `fastest`, the frame's largest speed
+    [mm/s].
     """
     rows = []
     for number, motion in enumerate(plan.motions):

@@ -14,13 +14,14 @@ from yarclang.robot.model import Robot
 from yarclang.units import MM
 
 MOST_POINTS = 20_000
-"""Largest number of points of all motions together, besides one start for each motion."""
+"""Largest number of points of all motions together. The starts of the motions aren't counted."""
 
 _MOST_EACH = 1_000
 """Largest number of points of one motion."""
 
 MOST_DOTS = 400
-"""Largest number of way-points that can be distinguished in a picture."""
+"""Largest number of waypoints, and of corners, that are drawn. More couldn't be distinguished in a picture.
+"""
 
 
 @frozen(eq=False)
@@ -34,7 +35,7 @@ class ToolPath:
         bounds: where the points of each motion begin in `points`.
         waypoints: (w, 3) positions that the commands name, including the ends of motions. If there are too
             many, only every `every`-th of them.
-        every: thinning of the way-points.
+        every: thinning of the waypoints: 1 if all of them are kept.
     """
 
     frame: str
@@ -59,7 +60,7 @@ def tool_path_of(plan: MotionPlan, frame: DrawnFrame) -> ToolPath:
     shares = ways / max(float(ways.sum()), 1e-12)
     # a motion of k parts has k + 1 points: its start is repeated from the end of the previous motion
     parts = np.clip((shares * (MOST_POINTS - len(curves))).astype(np.intp), 1, _MOST_EACH)
-    # if there are more motions than points, only some motions have any
+    # if there are more motions than points, only some motions have points
     parts[np.arange(1 - len(parts), 1) % -(-len(parts) // MOST_POINTS) > 0] = 0
     bounds = np.concatenate(([0], np.cumsum(np.where(parts > 0, parts + 1, 0))))
     number = np.repeat(np.arange(len(parts)), np.diff(bounds))

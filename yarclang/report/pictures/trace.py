@@ -23,13 +23,13 @@ columns of pixels.
 _PARTS = (2, 16)
 """The smallest and the largest number of equal parts into which a segment of a curve is divided for sampling.
 In a segment, jerk is constant and acceleration is linear, so that both are exact at its ends. With two parts,
-a velocity peak between samples exceeds them by at most jerk h^2 / 32: 0.3 % of the limit at 2000 deg/s^3, 50
-ms, 60 deg/s.
+the largest velocity exceeds the sampled velocities by at most jerk h^2 / 32, where h is the segment time.
+This is 0.3 % of a velocity limit of 60 deg/s for 2000 deg/s^3 and 50 ms.
 """
 
 _COLUMNS = 4_000
-"""Number of short intervals in a thinned trace. Of each, the smallest and largest values are kept: several
-intervals for each pixel.
+"""Number of short intervals in a thinned trace: several for each pixel. Of each interval, the smallest and
+the largest values are kept.
 """
 
 _AT_ONCE = 4_096
@@ -73,7 +73,9 @@ class Trace:
 
     @property
     def motors_bind(self) -> bool:
-        """True if a motor gets nearer to its largest speed than any joint to its own."""
+        """True if a motor uses a larger share of its speed limit than any joint uses of its velocity
+        limit.
+        """
         return bool(np.abs(self.motors).max() > np.abs(self.velocity).max())
 
 
@@ -93,7 +95,7 @@ class Peak:
 
 
 def peak_of(trace: Trace, values: Array) -> Peak:
-    """Return the value with the largest magnitude in `values` (N, n), one of the quantities of `trace`."""
+    """Return the largest magnitude in `values` (N, n), a quantity of `trace`, with its column and time."""
     row, column = divmod(int(np.argmax(np.abs(values))), values.shape[1])
     return Peak(abs(float(values[row, column])), column, float(trace.times[row]))
 
@@ -113,7 +115,7 @@ def trace_of(plan: MotionPlan) -> Trace:
     sampled = each(_all_sampled(limits, plan, parts))
     if segments * (parts + 1) > MOST_SAMPLES:
         intervals = [extremes(times, times, rows, rows, plan.duration) for times, rows in sampled]
-        # several motions may belong to the same interval, so its extremes are computed again
+        # an interval may contain samples of several motions, so its extremes are computed again
         first, last, least, most = (np.concatenate(part) for part in zip(*intervals, strict=True))
         first, last, least, most = extremes(first, last, least, most, plan.duration)
         times = np.column_stack((first, last)).ravel()
@@ -124,8 +126,8 @@ def trace_of(plan: MotionPlan) -> Trace:
 
 
 def _all_sampled(limits: _Limits, plan: MotionPlan, parts: int) -> Iterator[tuple[Array, Array]]:
-    """Yield times (N,) [s] and all shares of limits, side by side, for each group of motions without a rest
-    in between and for each rest.
+    """Yield times (N,) [s] and the shares of all limits, side by side: one pair for each rest, and one for
+    each group of motions without a rest inside.
     """
     ends = np.concatenate(([0.0], plan.ends))
     begins = np.concatenate((plan.begins, [plan.duration]))
@@ -139,7 +141,7 @@ def _all_sampled(limits: _Limits, plan: MotionPlan, parts: int) -> Iterator[tupl
             yield times, _standing(limits, plan, times)
         if first == len(segments):
             return
-        # a group: consecutive motions without a rest between them, up to `_AT_ONCE` segments
+        # `behind` ends the group: consecutive motions without a rest between them, up to `_AT_ONCE` segments
         behind = int(np.searchsorted(passed, passed[first] + _AT_ONCE, side="right")) - 1
         behind = min(max(behind, first + 1), len(segments))
         rests = np.flatnonzero(stands[first + 1 : behind])
@@ -149,7 +151,7 @@ def _all_sampled(limits: _Limits, plan: MotionPlan, parts: int) -> Iterator[tupl
 
 
 def _standing(limits: _Limits, plan: MotionPlan, times: Array) -> Array:
-    """Return all shares, side by side, at times (N,) [s] at which the robot rests."""
+    """Return the shares of all limits, side by side, at times (N,) [s] at which the robot rests."""
     still = np.zeros((len(times), plan.robot.size))
     return limits.shares(plan.sample(times)[0], still, still, still)
 
@@ -184,7 +186,7 @@ class _Limits:
         velocity: (n,) largest velocity [rad/s or m/s].
         acceleration: (n,) largest acceleration [rad/s² or m/s²].
         jerk: (n,) largest jerk [rad/s³ or m/s³].
-        motors: (n, n) share of each motor's speed for each joint velocity.
+        motors: (n, n) matrix that converts joint velocities to motor speeds, as shares of the motors' limits.
         robot: the robot, for the torques; None if its masses are unknown.
     """
 
@@ -200,8 +202,8 @@ class _Limits:
         """Divide positions, velocities, accelerations and jerks (N, n each, in SI) by their limits.
 
         Returns:
-            These shares side by side, followed by those of the motors' speeds (in all N, 5 n) and, if the
-            robot's masses are known, of the torques (in all N, 6 n).
+            The shares side by side: of the four quantities, of the motors' speeds and, if the robot's masses
+            are known, of the torques. The shape is (N, 5 n), or (N, 6 n) with torques.
         """
         dynamics = self.robot.dynamics if self.robot else None
         rows = np.empty((len(q), 5 if dynamics is None else 6, q.shape[1]))
@@ -239,8 +241,8 @@ def has_limits(robot: Robot) -> NDArray[np.bool_]:
 def extremes(
     first: Array, last: Array, least: Array, most: Array, duration: float
 ) -> tuple[Array, Array, Array, Array]:
-    """Thin samples: join neighbouring intervals that begin in the same one of `_COLUMNS` equal parts of
-    `duration` [s].
+    """Thin samples: divide `duration` into `_COLUMNS` equal parts, and join all intervals that begin in the
+    same part.
 
     Args:
         first: (N,) beginning of each interval [s], never decreasing.

@@ -20,11 +20,11 @@ bytes at the end of the file.
 
 _HEAD = 1 << 16
 _MOST_INDEX = 1 << 23
-"""Largest number of bytes of an index that are read: the index of four hours."""
+"""Largest number of bytes that are read of a log's index. The index of a run of four hours has this size."""
 _MOST_CHUNK, _MOST_UNPACKED = 1 << 21, 1 << 23
 """Largest size of a log's last chunk, packed and unpacked [bytes]. A chunk is written twice a second."""
 _LONGEST = 300
-"""Largest number of characters of a text."""
+"""Largest number of characters of a text in the summary."""
 _FOOTER = struct.Struct("<BQQQI")
 _CHANNEL, _MESSAGE, _STATISTICS, _CHUNK, _CHUNK_INDEX, _METADATA, _OFFSET = 4, 5, 0x0B, 6, 8, 0x0C, 0x0E
 
@@ -111,7 +111,7 @@ def _facts(head: bytes) -> dict[str, str] | None:
 
 
 def _footer(read: ReadAt, size: int) -> tuple[int, int]:
-    """Return where a log's summary begins in the file, and where the offsets in this summary begin [bytes].
+    """Return the position of a log's summary in the file, and that of the summary's offset records [bytes].
 
     Raises:
         ValueError: the file has no valid footer.
@@ -183,7 +183,7 @@ def _records(data: bytes) -> Iterator[tuple[int, bytes]]:
 
 
 def _text(data: bytes, at: int) -> tuple[str, int]:
-    """Return a string, and the offset after it."""
+    """Read a string at an offset. Return the string, and the offset after it."""
     (length,) = struct.unpack_from("<I", data, at)
     ends = at + 4 + length
     if ends > len(data):
@@ -192,7 +192,7 @@ def _text(data: bytes, at: int) -> tuple[str, int]:
 
 
 def _texts(data: bytes, at: int) -> dict[str, str]:
-    """Return the names and texts in a map of strings."""
+    """Read a map from names to texts at an offset."""
     (length,) = struct.unpack_from("<I", data, at)
     at, ends = at + 4, min(len(data), at + 4 + length)
     found: dict[str, str] = {}

@@ -1,4 +1,4 @@
-"""The course of a run: its states over time, and notable events."""
+"""Find the robot's states during a run, the notable events, and the outcome."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from yarclang.runtime.notices import Changed, Remark
 from yarclang.runtime.state import State
 
 TROUBLED = (State.HOLD, State.FAULT, State.DISCONNECTED)
-"""States that weren't planned."""
+"""States that aren't part of an undisturbed run."""
 
 _AT_ONCE = 0.1
 """Events whose times differ by less become one mark [s]."""
@@ -72,7 +72,7 @@ def spans_of(run: RecordedRun, tracking: Tracking) -> tuple[Span, ...]:
 
 def marks_of(run: RecordedRun, tracking: Tracking) -> tuple[Mark, ...]:
     """Return the notable events of a run: remarks, orders of users, and the causes of states that weren't
-    planned. Simultaneous events become one.
+    planned. Events that are less than `_AT_ONCE` apart become one mark.
     """
     marks: list[Mark] = []
     for message in run.told:
@@ -104,8 +104,8 @@ def outcome_text(run: RecordedRun) -> tuple[str, bool | None]:
 
 
 def _program_time(run: RecordedRun, tracking: Tracking, time: float) -> float | None:
-    """Convert the time of an event in a run to the time of the program. None if the event is long before the
-    program's first sample or long after its last.
+    """Convert the time of an event in a run to the time of the program. None if the event is more than 0.5 s
+    before the program's first sample, or more than 15 s after its last sample.
     """
     times = run.times[tracking.rows]
     if not len(times) or not times[0] - 0.5 <= time <= times[-1] + 15.0:

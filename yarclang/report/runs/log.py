@@ -34,16 +34,15 @@ class RecordedRun:
         pace: seconds of the controller per second of real time: 1, except for a simulator.
         robot: robot as the log describes it.
         commands: commands of the program, with their times in it.
-        duration: the last time of the program [s].
-        lasting: duration of the program.
+        duration: sum of the times of all commands [s], those of both branches of each WHEN included.
+        lasting: duration of a run of the program, in which only one branch of each WHEN is executed.
         counts_dwells: True if times of the program include dwells; False in older logs.
         text: controller text that was streamed.
         source: text of the program; may be empty.
         certificate: certificate as JSON; may be empty.
         told: all reports, in order.
         times: (N,) times of the samples [s].
-        program_times: (N,) how far the program was at each sample [s of the program], accurate to one or two
-            segments.
+        program_times: (N,) time of the program at each sample [s], accurate to one or two segments.
         passes: (N,) number of the program's `Pass` to which each sample belongs, from 0; -1 during the motion
             to the start.
         actual: (N, n) actual joint positions [rad or m].
@@ -104,7 +103,7 @@ def read_run(file: str) -> Result[RecordedRun]:
         return _refused("Y1401", f"{file} {'is no MCAP file' if content else 'is empty'}", logs)
     facts, job = records.metadata.get(METADATA), records.attachments.get(JOB)
     if facts is None and not records.trouble:
-        return _refused("Y1401", f"{file} is an MCAP file of something else", logs)
+        return _refused("Y1401", f"{file} is an MCAP file, but not a run log", logs)
     if facts is not None and facts.get("format") != FORMAT:
         version, wrote = facts.get("yarclang", "?"), facts.get("format", "?")
         message = (

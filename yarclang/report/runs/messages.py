@@ -83,7 +83,7 @@ class Messages:
     """Contents of the messages in the log of a run.
 
     Attributes:
-        told: reports.
+        told: the run's reports of progress, remarks, signals, passes and its outcome, in order.
         rows: for each sample its time and program time [s], the actual and the commanded joints [deg or mm],
             and the following errors [counts].
         passes: number of the pass to which each sample belongs; -1 during the motion to the start.
@@ -97,7 +97,7 @@ class Messages:
 
 
 def read_messages(robot: RecordedRobot, messages: Iterable[tuple[str, dict[str, Any]]]) -> Messages:
-    """Read topics and contents; invalid messages are counted."""
+    """Convert a log's messages (topic and content) to `Messages`. Invalid messages are only counted."""
     read_so_far = Messages()
     number, on_the_way = 0, False
     begun = False
@@ -163,7 +163,7 @@ def _as_report(topic: str, content: Mapping[str, Any]) -> Told | None:
                 content["remedy"],
                 content["command"],
                 content["done_s"],
-                # older logs have neither
+                # older logs have neither a code nor a place
                 content.get("code", ""),
                 Where(**content["where"]) if content.get("where") else None,
             )

@@ -1,5 +1,5 @@
-"""Draw the panels of a run's picture: joints and errors over the time of the program, and how far the program
-was over real time.
+"""Draw the panels of a run's picture: joints and errors over the time of the program, and the progress of the
+program over real time.
 """
 
 from __future__ import annotations
@@ -38,10 +38,10 @@ PLANNED = "0.70"
 LIMIT = "#B2182B"
 
 _COLUMNS = 4_000
-"""Total number of intervals of a line. A picture has fewer columns of pixels."""
+"""Number of intervals of time into which a drawn line is thinned. A picture has fewer columns of pixels."""
 
 _FEWEST = 50
-"""Smallest number of intervals of one pass, if there are many passes."""
+"""Smallest number of intervals into which the line of one pass is thinned, if there are many passes."""
 
 _LEAST_SPAN = 5.0
 """Smallest range of a joint's axis [deg or mm]. With a smaller range, the noise of a joint at rest would look
@@ -49,14 +49,14 @@ like motion.
 """
 
 _LEAST_ERROR = {"counts": 2.0}
-"""Smallest half height of a panel of errors, by the unit of its values."""
+"""Smallest upper end of the axis of an error panel, by the unit of its values."""
 
 _LEAST_OTHER = 0.005
-"""Smallest half height for other units [deg or mm]."""
+"""Smallest upper end of the axis of an error panel with another unit [deg or mm]."""
 
 _NARROWEST = 0.003
-"""Smallest width of a shaded interval, as a share of the axis. It is needed because a hold takes no time of
-the program.
+"""Smallest width of a shaded interval, as a share of the axis. Without it, a hold would be invisible, since a
+hold takes no time of the program.
 """
 
 
@@ -144,7 +144,7 @@ def draw_lines(
     value above the panel.
     """
     factor = shown.unit[0]
-    # draw the lines that vary most first, because they would cover the others
+    # draw the lines with the largest values first, because they would cover the others
     for column in np.argsort(-np.abs(values).mean(axis=0), kind="stable") if len(values) else ():
         colour, style = joint_style(int(column))
         for when, what in passes_of(shown, values[:, column : column + 1]):
@@ -166,8 +166,8 @@ def draw_lines(
 
 
 def most_text(values: Array, names: tuple[str, ...], units: tuple[str, ...], times: Array, unit: str) -> str:
-    """Return in words the value with the largest magnitude in `values` (M, n) for each unit, with the name of
-    its column and its time from `times` (M,).
+    """Return the value with the largest magnitude in `values` (M, n) for each unit, in words: the value, the
+    name of its column, and its time from `times` (M,).
     """
     if not len(values):
         return "no samples"
@@ -204,7 +204,7 @@ def _largest(
 
 def _size(size: float) -> str:
     """Format a number with two significant digits, without an exponent, and with at most five decimals.
-    Numbers below 0.00001 are rounded up to it.
+    Numbers below 0.00001 are rounded up to 0.00001.
     """
     if size < 1e-5:
         return "0.00001" if size > 0.0 else "0"
@@ -217,7 +217,7 @@ def clock_end(run: RecordedRun) -> float:
 
 
 def draw_clock(axes: Axes, shown: Shown) -> None:
-    """Draw how far the program was over real time, with states and events."""
+    """Draw the progress of the program over real time, with states and events."""
     run, tracking = shown.run, shown.tracking
     factor, unit = time_unit(run.end)
     end = clock_end(run)
@@ -253,8 +253,8 @@ def draw_clock(axes: Axes, shown: Shown) -> None:
 
 
 def is_shaded(span: Span, end: float) -> bool:
-    """Return True if a state is shaded on an axis up to `end` [s]: it lasts long enough to be visible.
-    Loading that takes no time isn't shaded.
+    """Return True if a state is shaded on a time axis that ends at `end` [s]. Loading is shaded only if it
+    lasts long enough to be visible.
     """
     is_brief = span.end - span.start < _NARROWEST * end
     return span.state in COLOURS and not (span.state is State.INIT and is_brief)
@@ -313,7 +313,7 @@ def _by_pass(shown: Shown, times: Array, values: Array) -> list[tuple[Array, Arr
 
 
 def _planned_line(planned: Planned) -> tuple[Array, Array]:
-    """Return times [s] and positions (k, n) [rad or m] of the whole plan."""
+    """Return times (k,) [s] and positions (k, n) [rad or m] of the whole plan, thinned for drawing."""
     begins, half = planned.begins, planned.cubics.h / 2.0
     times = np.sort(
         np.concatenate(([0.0, planned.duration or 1.0], begins, begins + half, begins + 2.0 * half))

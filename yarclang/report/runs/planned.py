@@ -35,8 +35,8 @@ class Planned:
         dwells: (D, 2) beginning and end of each dwell [s], in order.
         ways: (W, 3) for each WHEN: the time at which its branches part, the time at which the second branch
             begins, and the time at which the second branch ends [s]. A nested WHEN comes after the outer one.
-            For each EXIT: the time at which the loop is left, and twice the time at which the loop ends.
-        lasting: duration of a run.
+            For each EXIT: the time at which the loop is left, and, twice, the time at which the loop ends.
+        lasting: duration of a run of the program, in which only one branch of each WHEN is executed.
     """
 
     cubics: Cubics
@@ -62,8 +62,8 @@ class Planned:
         return self.cubics.h[self._rows(times)] if len(self.begins) else np.zeros(len(times))
 
     def _rows(self, times: Array) -> NDArray[np.int64]:
-        """Return the number of the segment at each of the times (M,): the first segment before it begins, and
-        the last one after it ends.
+        """Return for each of the times (M,) the number of the last segment that has begun; 0 before all of
+        them.
         """
         return np.clip(np.searchsorted(self.begins, times, side="right") - 1, 0, len(self.begins) - 1)
 
@@ -75,16 +75,14 @@ def planned_motion(run: RecordedRun) -> Result[Planned]:
         None, with a finding, if the parser rejects the controller text in the log.
     """
     if run.text.startswith(f"; {MADE_ON_THE_WAY}"):
-        message = (
-            f"{run.file}: this was a jog, or a master that was followed: there was no plan to draw it beside"
-        )
+        message = f"{run.file}: this run was a jog or followed a master, and has no plan to compare with"
         return Result(None, (Diagnostic("Y1404", message, help="`yarc replay` shows what happened"),))
     controller = run.robot.controller
     content = reader_of(controller).read(run.text, controller, NO_MEMORY)
     if isinstance(content, Unreadable):
         return _refused(run, f"line {content.line} {content.reason}")
     if content.start.printed is None:
-        return _refused(run, "it isn't for being streamed, so that it was never carried out")
+        return _refused(run, "it isn't made for streaming, and was never carried out")
     return Result(
         _planned(content, content.start.printed, run.robot.axis_units, counts_dwells=run.counts_dwells)
     )
@@ -97,8 +95,8 @@ def _refused(run: RecordedRun, reason: str) -> Result[Planned]:
 
 
 def _planned(content: ControllerText, start: Array, units: Array, *, counts_dwells: bool) -> Planned:
-    """Return the segments of all sequences of moves in a controller text (TUM 289: S, S, S, c1 ... cM, cM,
-    cM). The first sequence begins at `start` (n,) in axis units.
+    """Return the segments of all sequences of moves in a controller text. The control points of a sequence
+    are S, S, S, c1 ... cM, cM, cM (TUM 289). The first sequence begins at `start` (n,) in axis units.
     """
     if not counts_dwells:
         content = replace(content, course=tuple(one for one in content.course if not isinstance(one, Dwelt)))

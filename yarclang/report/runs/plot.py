@@ -129,7 +129,7 @@ def _draw_joints(figure: Figure, shown: Shown) -> None:
 
 
 def _draw_errors(figure: Figure, shown: Shown) -> None:
-    """Draw the errors of joints and motors, and the progress over the time of the clock."""
+    """Draw the errors of joints and motors, the progress over real time, and the inputs and outputs."""
     run, tracking = shown.run, shown.tracking
     robot = run.robot
     bottom = _BOTTOM + 0.135

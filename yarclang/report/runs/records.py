@@ -16,8 +16,8 @@ from yarclang.report.runs.kind import MAGIC
 from yarclang.runtime.log_scene import SCENE_TOPICS
 
 _LARGEST_CHUNK = 1 << 26
-"""Largest size of an unpacked chunk of a log [bytes]. `yarc run` writes chunks of 1 MiB and one message
-more.
+"""Largest size of an unpacked chunk of a log [bytes]. `yarc run` writes chunks of 1 MiB, which the last
+message of a chunk may exceed.
 """
 _LEAST_LEFT, _PACKED = 1 << 28, 40
 """Limit on the total size of all unpacked chunks of a log: a fixed number of bytes, plus a number for each
@@ -34,7 +34,7 @@ class Records:
         attachments: attachments by name.
         messages: topic and content, in the order of writing. Messages that aren't JSON objects, and messages
             for viewers of scenes, are left out.
-        unread: number of messages that were left out.
+        unread: number of messages that aren't JSON objects.
         trouble: reason why the file may have contained more; empty for a complete file.
     """
 
@@ -68,7 +68,7 @@ def read_records(content: bytes) -> Records | None:
             case Channel(id=number, topic=topic):
                 topics[number] = topic.removeprefix("/")
             case Message(channel_id=number) if topics.get(number) in SCENE_TOPICS:
-                pass  # repeats what other channels say
+                pass  # scenes repeat the content of other channels
             case Message(channel_id=number, data=data) if number in topics:
                 value = _object(data)
                 if value is None:

@@ -54,7 +54,7 @@ def draw_signals(axes: Axes, rows: tuple[SignalRow, ...], end: float, factor: fl
         axes: axes to draw on.
         rows: the signals.
         end: end of the time axis [s].
-        factor: seconds in the axis's unit.
+        factor: unit of the time axis [s].
         unit: name of this unit.
     """
     draw_rows(axes, rows, end, factor)

@@ -1,6 +1,6 @@
 """Format a run as lines of text: reports, and one status line that changes during the motion.
 
-Live and recorded runs look alike: a `View` processes reports and positions, and returns the line.
+Live and recorded runs look alike: a `View` processes reports and positions, and returns the status line.
 """
 
 from __future__ import annotations
@@ -22,7 +22,9 @@ from yarclang.runtime.signals import InputChanged, OutputSet, WaitBegan, WaitEnd
 from yarclang.runtime.state import State
 
 PLAIN_EACH = 5.0
-"""Time between two status lines of a long command, if the output can't change a line [s]."""
+"""Time between two status lines of a long command [s], if the output isn't a terminal on which one line can
+be changed.
+"""
 
 
 class HasJoints(Protocol):
@@ -39,13 +41,14 @@ class HasJoints(Protocol):
 
 @frozen(eq=False)
 class View:
-    """What the status line of a run shows. Each method returns the View after an event.
+    """The content of the status line of a run. The methods return a new View, with the content after an
+    event.
 
     Attributes:
         robot: robot with joint names and units.
         lasting: duration of the job.
         state: state of the robot.
-        progress: the last progress.
+        progress: the latest report of progress.
         joints: (n,) actual positions [rad or m].
     """
 
@@ -87,7 +90,7 @@ class View:
 
 
 def notice_text(notice: Notice) -> str:
-    """Return a report as a line of its own; empty for a sample."""
+    """Return a report as a complete line; empty for a sample."""
     match notice:
         case Changed(state=state, why=why):
             return printable(f"{state.value}: {why}" if why else state.value)
@@ -102,8 +105,8 @@ def notice_text(notice: Notice) -> str:
 
 
 def progress_text(progress: Progress, lasting: Lasting | None = None) -> str:
-    """Return in words the current command, how far the program is [s], its duration, and the remaining time
-    at the current override.
+    """Return the current command, the program's progress and duration [s], and the remaining time at the
+    current override, in words.
     """
     of = f" of {lasting.text(time_text)}" if lasting is not None else ""
     times = f"{time_text(progress.done)}{of}, {time_text(progress.left)} left"
@@ -140,8 +143,8 @@ def head_text(run: RecordedRun) -> str:
 
 
 def _is_usual(report: Told) -> bool:
-    """Return True for a report of a state that regularly occurs between a WAIT and the next motion, so that
-    no line is printed for it.
+    """Return True for a change of state that always occurs between a WAIT and the next motion. No line is
+    printed for such a change.
     """
     return (
         isinstance(report, Changed)

@@ -1,9 +1,9 @@
 """Compare a run with its plan: find how far the program was at each sample (its program time), and the
 robot's distance from the plan.
 
-Program times include dwells, with the branches of a WHEN one after the other. For the search, dwells
-and branches that weren't taken are cut out. What remains is the curve that the robot followed from its
-beginning. For the time during which the robot rested, only the program times in the log are used.
+Program times include dwells, with the branches of a WHEN one after the other. For the search, dwells and
+branches that weren't executed are cut out of the plan. What remains is the curve that the robot followed.
+While the robot rested, the program times in the log are used as they are.
 
 A sample's program time in the log comes from the number of lines that the controller has left. It is accurate
 to one or two segments, and in a fast motion a segment is several degrees long. But commanded positions are on
@@ -27,19 +27,19 @@ from yarclang.report.runs.planned import Planned
 from yarclang.robot.model import Array
 
 _LATE = 0.3
-"""Largest error of a sample's program time in the log [s], besides the error of `_SEGMENTS`. It comes from
-requests that were sent before the sample's, and from a slow link.
+"""Largest error of a sample's program time in the log [s], in addition to the error of `_SEGMENTS` segments.
+It has two causes: requests that were sent before the request for the sample, and a slow link.
 """
 
 _SEGMENTS = 4.0
-"""Largest number of segments of error, in addition."""
+"""Additional error of a sample's program time in the log, as a number of segments."""
 
 _SURE = 0.12
-"""Largest error of a time after its correction by the clock [s]."""
+"""Largest error of a sample's program time after its correction by the controller's clock [s]."""
 
 _NEAR = 1e-3
-"""Two points of the planned curve count as equally near to a sample if their distances from it differ by less
-[deg or mm].
+"""Two points of the planned curve count as equally near to a sample if their distances from the sample differ
+by less than this [deg or mm].
 """
 
 _SAME = 2e-3
@@ -51,17 +51,17 @@ better.
 """
 
 _BESIDE = 0.02
-"""Time before and after a rest in which the nearest point of the planned curve doesn't determine the program
-time [s].
+"""Time before and after a rest [s]. Within it, the program time of a sample isn't determined by the nearest
+point of the planned curve.
 """
 
 _BESIDE_WAY = 0.12
-"""Time after the beginning and before the end of a branch in which a program time in the log may belong to
-the motion outside of the branch [s].
+"""Time after the beginning and before the end of a branch [s]. Within it, a program time in the log may
+belong to the motion before or after the branch.
 """
 
 _WITHIN = 1e-6
-"""Time after its end at which a branch is left [s]."""
+"""Time by which the cut of a skipped branch extends beyond the end of the branch [s]."""
 
 _CANDIDATES = 65
 _MINIMA = 3
@@ -71,7 +71,7 @@ _ROWS = 2048
 
 _DOUBT = 1e-4
 """Penalty for a time at the end of the search window, as a distance [deg or mm]. It is so small that it
-decides only between positions that are equal within a few counts, as while nothing moves.
+decides only between positions that are equal within a few counts, such as those of a robot at rest.
 """
 
 
@@ -123,13 +123,13 @@ def _parts(passes: NDArray[np.int64]) -> Iterator[slice]:
 
 @frozen(eq=False)
 class _Course:
-    """The planned motion that one pass of a program followed: without dwells and without branches that
-    weren't taken.
+    """The planned motion that one pass of a program followed, called its course: the motion of the program
+    without dwells and without the branches that weren't executed.
 
     Attributes:
         planned: the whole planned motion.
         cut: (C, 2) disjoint intervals that are cut out, in order [s of the program].
-        at_cut: (C,) times of these cuts [s of the course].
+        at_cut: (C,) times in the course at which these intervals were cut out [s].
         stands: (D,) times at which the robot rested [s of the course], each once.
         skipped: (W, 2) branches of a WHEN that were left out [s of the program].
     """
@@ -200,7 +200,7 @@ def _course(planned: Planned, logged: Array) -> _Course:
     margin = np.minimum(_BESIDE_WAY, 0.4 * (ways[:, 1] - ways[:, 0]))
     first, behind = np.searchsorted(when, ways[:, 0] + margin), np.searchsorted(when, ways[:, 1] - margin)
     skipped = ways[(ways[:, 1] > ways[:, 0]) & (behind <= first)]
-    # cut slightly beyond the end: this time is also the beginning of the other branch, which is another place
+    # cut slightly beyond the end: at the end itself, the other branch begins, with the robot at another place
     skipped = skipped + np.array([0.0, _WITHIN])
     cut: list[tuple[float, float]] = []
     for begin, end in sorted((*skipped.tolist(), *planned.dwells.tolist())):
@@ -216,11 +216,11 @@ def _course(planned: Planned, logged: Array) -> _Course:
 
 
 def _times_of_pass(run: RecordedRun, planned: _Course, rows: NDArray[np.int64]) -> tuple[Array, Array]:
-    """Find the times of the course [s] for the samples of one pass.
+    """Find the time of the course [s] that corresponds to each sample of one pass.
 
     Returns:
-        Two times for each sample: one that never decreases from sample to sample, and the one at which the
-        planned curve is nearest to the sample.
+        Two arrays, with the time at which the planned curve is nearest to each sample. In the first array the
+        times are corrected so that they never decrease from sample to sample. The second has them as found.
     """
     clock, points = run.times[rows] * (1.0 + _DRIFT), run.commanded[rows]
     units, told = run.robot.axis_units, planned.times(run.program_times[rows])
@@ -229,7 +229,8 @@ def _times_of_pass(run: RecordedRun, planned: _Course, rows: NDArray[np.int64]) 
     near = _nearest(planned, units, points, about, window)
     if near.alone.any():
         sure, when = _never_falling(near.times[near.alone], near.weights[near.alone]), clock[near.alone]
-        # interpolate linearly between the sure times; before the first and after the last, follow the log
+        # `sure` has the times of the samples to which only one time on the curve is nearest: interpolate
+        # linearly between them. Before the first and after the last of these samples, follow the log.
         inside = np.clip(clock, when[0], when[-1])
         about = np.interp(inside, when, sure) + about - np.interp(inside, clock, about)
     near = _nearest(planned, units, points, about, np.full(len(rows), _SURE))
@@ -237,8 +238,8 @@ def _times_of_pass(run: RecordedRun, planned: _Course, rows: NDArray[np.int64]) 
 
 
 def _never_falling(values: Array, weights: Array) -> Array:
-    """Return values that never decrease and are nearest to the given values (isotonic regression). Values
-    with a large weight are changed least.
+    """Return the sequence that never decreases and is nearest to the given values (isotonic regression).
+    Values with a large weight are changed least.
     """
     from scipy.optimize import isotonic_regression
 
@@ -252,7 +253,7 @@ class _Nearest:
 
     Attributes:
         times: (M,) [s].
-        weights: (M,) reliability of each time: the square of the speed there.
+        weights: (M,) reliability of each time: the square of the curve's speed at this time.
         alone: (M,) True if the curve isn't equally near at another time.
     """
 
@@ -281,7 +282,7 @@ def _nearest(planned: _Course, units: Array, points: Array, about: Array, window
 
 
 def _nearest_few(planned: _Course, units: Array, points: Array, about: Array, window: Array) -> _Nearest:
-    """Find the nearest times as in `_nearest`, for a number of points whose data fit into memory."""
+    """Compute `_nearest` for a block of points, small enough that its data fit into memory."""
     doubt, places = ((_DOUBT / window) ** 2)[:, None], (points / units)[:, None]
     about = about[:, None]
 

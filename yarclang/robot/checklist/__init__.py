@@ -1,5 +1,5 @@
-"""The checklist of a robot before its first motion: each item has a verdict, what was observed, and what
-to do.
+"""The checklist of a robot before its first motion: each item states a verdict, the observation, and the
+remedy.
 """
 
 from yarclang.robot.checklist.item import Item, Verdict

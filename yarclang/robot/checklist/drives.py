@@ -16,7 +16,9 @@ EXACT = 1e-9
 """Largest error of joint positions after conversion to counts and back [rad or m]."""
 
 FINE = 0.25
-"""Share of the tolerance that half a count of every motor may use."""
+"""Largest tool motion that is acceptable if every motor is off by half a count, as a fraction of the path
+tolerance.
+"""
 
 
 def drive_items(robot: Robot) -> Iterator[Item]:
@@ -43,13 +45,13 @@ def _invertible(robot: Robot) -> Item:
     found = f"condition number {condition:.3g}, {coupled or 'no'} coupling{'s' * (coupled != 1)}"
     if miss <= EXACT:
         return Item("actuation matrix", "ok", found)
-    remedy = "make the rows of J independent of each other"
+    remedy = "make the rows of J linearly independent"
     return Item("actuation matrix", "to do", f"{found}; HOME comes back {miss:.2g} off", remedy)
 
 
 def _resolution(robot: Robot) -> Item:
-    """Compare the path tolerance with the encoder resolution: with the largest tool motion if every motor is
-    off by half a count.
+    """Compare the path tolerance with the encoder resolution. The largest tool motion that occurs if every
+    motor is off by half a count must be small relative to the tolerance.
     """
     half = 0.5 * np.abs(joints_per_count(robot)).sum(axis=1)
     frame = robot.flange_from_frame.get("TCP", np.eye(4))
@@ -69,8 +71,8 @@ def _resolution(robot: Robot) -> Item:
 
 
 def _speeds(robot: Robot) -> Item:
-    """Compare the speed limit of each motor with the motor speeds that occur at the joints' velocity limits:
-    with one joint moving at a time, and with all joints moving at once.
+    """Compare the speed limit of each motor with the motor speeds at the joints' velocity limits. These
+    speeds are computed with one joint moving at a time, and with all joints moving at once.
     """
     needed = np.abs(counts_per_joint(robot)) * robot.limits.velocity
     alone, together = needed.max(axis=1), needed.sum(axis=1)
@@ -80,15 +82,14 @@ def _speeds(robot: Robot) -> Item:
     if slow.any():
         at = int(np.argmin(have / alone))
         remark = (
-            f"motor {numbers[at]} reaches {have[at] / alone[at] * 100:.3g} % of the speed that its "
-            f"joint's limit needs "
-            f"({have[at] * MS:.4g} of {alone[at] * MS:.4g} counts/ms)"
+            f"motor {numbers[at]} reaches {have[at] / alone[at] * 100:.3g} % of the speed needed for its "
+            f"joint's limit ({have[at] * MS:.4g} of {alone[at] * MS:.4g} counts/ms)"
         )
         return Item(
             "motor speeds",
             "note",
             remark,
-            "plans keep the motor's limit; lower the joint's velocity if it is wrong",
+            "plans respect the motor's limit; lower the joint's velocity if it is wrong",
         )
     if (have < together * (1.0 - 1e-9)).any():
         at = int(np.argmin(have / together))
@@ -100,11 +101,11 @@ def _speeds(robot: Robot) -> Item:
             "motor speeds",
             "note",
             remark,
-            "plans keep the motor's limit; nothing is to do if the number is right",
+            "plans respect the motor's limit; nothing is left to do if the number is right",
         )
     fast = have > 3.0 * together
     if fast.any():
         names = listed([str(number) for number, one in zip(numbers, fast, strict=True) if one])
-        remark = f"motors {names} could run at more than three times what their joints' limits need"
+        remark = f"motors {names} may run at more than three times the speed needed for their joints' limits"
         return Item("motor speeds", "note", remark, "check the unit: velocity of [motors] is in counts/ms")
     return Item("motor speeds", "ok", "every motor is fast enough for its joints' limits")

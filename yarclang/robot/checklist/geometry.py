@@ -26,42 +26,47 @@ EXACT = 1e-9
 """Largest deviation of forward kinematics from Pinocchio [m, rad]."""
 
 SOLVED = 0.99
-"""Smallest share of the poses that the inverse kinematics must solve."""
+"""Least fraction of the poses that the inverse kinematics must solve."""
 
 DIRECTIONS = np.vstack([np.eye(3), -np.eye(3)])
-"""Directions of straight lines of fixed orientation that are tried from a place: along and against each axis
-of {B}.
+"""Directions of the straight test lines: along and against each axis of {B}. The flange keeps its orientation
+on these lines.
 """
 
 PLACES = 2
-"""Number of places from which all lines should be followed."""
+"""Number of start positions from which the arm should be able to follow all test lines."""
 
 TRIED = 8
-"""The largest number of places from which lines are tried, the best ones first."""
+"""The largest number of start positions that are tried, the best ones first."""
 
 MIDDLE = 0.25
-"""Share of all positions, nearest to the middle of the workspace, at which lines begin."""
+"""Fraction of the sampled joint positions at which test lines may begin: those at which the distance of the
+flange from {B} is nearest to the median of all samples.
+"""
 
 LINE = 0.1
-"""Length of a line, as a share of the arm's length."""
+"""Length of a test line, relative to the arm's length."""
 
 ROOM = 0.7
-"""Distance of a joint from its limits [rad or m] that is enough for any line."""
+"""Distance of a joint from its limits [rad or m] that is enough for the start of a test line. More distance
+doesn't make a start better.
+"""
 
 STRAIGHT = 0.01
-"""Smallest singular value below which a position counts as near a singularity."""
+"""A joint position whose smallest singular value is below this counts as near a singularity."""
 
 USUAL_SIZE = (0.05, 10.0)
-"""Usual length of an arm, from and to [m]."""
+"""Smallest and largest usual length of an arm [m]."""
 
 LONG_TOOL = 2.0
-"""A tool longer than this [m] indicates a wrong unit."""
+"""Distance of a frame from the flange [m] above which a wrong unit is suspected."""
 
 SHORT_TOOL = 5e-3
 """A distance shorter than this [m] doesn't determine the tool's direction."""
 
 ALONG = 0.9
-"""Cosine of the angle between z of TCP and the tool above which z of TCP counts as pointing along the tool.
+"""Smallest cosine of the angle between z of TCP and the tool's direction at which z of TCP counts as pointing
+along the tool.
 """
 
 
@@ -100,8 +105,7 @@ def _method(robot: Robot) -> Item:
     if robot.size < 6:
         solver = (
             f"numeric. With {robot.size} joints the arm reaches only some poses: MOVEL and MOVEJ_RPY "
-            f"take a pose that "
-            "it can hold, and refuse any other"
+            "accept a pose that it can reach, and refuse any other"
         )
         return Item(
             "inverse kinematics",
@@ -111,8 +115,8 @@ def _method(robot: Robot) -> Item:
         )
     if robot.size > 6:
         more = f"{robot.size - 6} joint{'s' * (robot.size > 7)}"
-        solver = f"numeric. The arm has {more} more than a pose needs: the nearest solution is taken"
-        return Item("inverse kinematics", "note", solver, "say with NEAR where the elbow is to be")
+        solver = f"numeric. The arm has {more} more than a pose needs, and the nearest solution is taken"
+        return Item("inverse kinematics", "note", solver, "choose the elbow's position with NEAR")
     return Item("inverse kinematics", "ok", "numeric: the arm has no closed form here")
 
 
@@ -156,33 +160,34 @@ def pinocchio_poses(robot: Robot, q: Array) -> Array:
 
 
 def _text(source: object) -> SourceFile:
-    assert isinstance(source, SourceFile)  # the robot has just been read from it
+    assert isinstance(source, SourceFile)  # the URDF can be read: the robot has just been read from it
     return source
 
 
 def _back(robot: Robot, q: Array) -> Item:
     solved = reaching(robot.chain, robot.limits, flange_poses(robot.chain, q))[1]
     share = float(solved.mean())
-    result = f"{share * 100:.4g} % of {len(q)} reachable poses are solved within limits"
+    result = f"{share * 100:.4g} % of {len(q)} reachable poses have a solution within the limits"
     if share >= SOLVED:
         return Item("inverse of forward", "ok", result)
     return Item(
         "inverse of forward",
         "to do",
         result,
-        "look for joints that undo each other, or limits that leave no room",
+        "look for joints that cancel each other, or for limits that leave no range",
     )
 
 
 def _lines(robot: Robot, q: Array) -> Item:
-    """Return the item about straight lines of fixed orientation: whether the arm can follow them, as the
-    planner would, from positions that a person would choose.
+    """Return the item that states if the arm can follow straight lines of fixed orientation. The lines begin
+    at positions that a person would choose, and are followed as the planner follows them.
     """
     length = LINE * arm_length(robot.chain, np.eye(4))
     starts = _roomy(robot, q)[:TRIED]
     whole = 0
     best, most = starts[0], np.zeros(len(DIRECTIONS), dtype=bool)
-    # arms with room pass at the first places; for others, all remaining places are tried together
+    # most arms can follow all lines from the first `PLACES` starts; for other arms, all remaining starts are
+    # tried together
     for group in (starts[:PLACES], starts[PLACES:]):
         if whole == PLACES or not len(group):
             break
@@ -205,19 +210,21 @@ def _lines(robot: Robot, q: Array) -> Item:
     if len(ended) == len(DIRECTIONS):
         result = f"no {lines} are followed, from the best of {TRIED} places; {'; '.join(ended)}"
         remedy = (
-            "see yarc reach whether this is the robot: joints that miss, or limits that leave little room"
+            "check with yarc reach if the robot is really so: a joint may be missing, or a limit too narrow"
         )
         return Item("lines", "to do", result, remedy)
     result = (
         f"{most.sum()} of {len(most)} {lines} are followed, from the best of {TRIED} places; "
         f"{'; '.join(ended)}"
     )
-    return Item("lines", "note", result, "see yarc reach where the arm can hold its orientation")
+    return Item("lines", "note", result, "yarc reach shows where the arm can hold its orientation")
 
 
 def _roomy(robot: Robot, q: Array) -> Array:
-    """Return the joint positions whose flange is in the middle of the workspace, sorted: those farthest from
-    singularities and joint limits come first.
+    """Return the sampled joint positions that may be starts of test lines, the best ones first.
+
+    These are the positions whose flange has about the median distance from {B}. The best ones are farthest
+    from singularities and joint limits.
     """
     points = flange_poses(robot.chain, q)[:, :3, 3]
     far = np.linalg.norm(points, axis=1)
@@ -246,8 +253,8 @@ def _followed(robot: Robot, starts: Array, length: float) -> NDArray[np.bool_]:
 
 
 def _line(robot: Robot, q: Array, way: Array) -> PathPoses:
-    """Return the path of a straight line of fixed orientation. The line begins at the flange pose for the
-    joint position `q` (n,), and the displacement from there to its end is `way` (3,) [m].
+    """Return the path of a straight line on which the flange keeps its orientation. The path begins at the
+    flange pose for the joint position `q` (n,), and ends at the displacement `way` (3,) [m] from it.
     """
     start = flange_poses(robot.chain, q[None])[0]
 
@@ -260,8 +267,8 @@ def _line(robot: Robot, q: Array, way: Array) -> PathPoses:
 
 
 def _end(robot: Robot, end: Broken, length: float) -> str:
-    """Return the end of a sentence about a line: the distance after which the arm can't follow the line any
-    more, and the reason.
+    """Return the end of the sentence that reports why a line can't be followed: the distance after which the
+    arm can't follow it, and the reason.
     """
     place = f"ends after {end.s * length / MM:.0f} mm"
     if end.joint is None:
@@ -279,11 +286,11 @@ def _home(robot: Robot) -> Item:
     motion = np.abs(near.joints[0])
     names = [name for name, part in zip(robot.joint_names, motion, strict=True) if part > 0.3]
     result = (
-        f"singular (smallest singular value {value:.2g}): {' and '.join(names)} move the tool against "
-        f"each other"
+        f"singular (smallest singular value {value:.2g}): {' and '.join(names)} cancel each other's motion "
+        "of the tool"
     )
     return Item(
-        "HOME", "note", result, "leave HOME with MOVEJ, not with a straight line; or choose another HOME"
+        "HOME", "note", result, "leave HOME by MOVEJ instead of a straight line, or choose another HOME"
     )
 
 
@@ -302,12 +309,12 @@ def _frames(robot: Robot) -> Iterator[Item]:
     names = [f"{{{name}}}" for name in robot.flange_from_frame]
     if "TCP" not in robot.flange_from_frame:
         remedy = "add [frames.TCP] with xyz and rpy on the flange"
-        yield Item("TCP", "to do", "there is no frame TCP; programs move {FLANGE} then", remedy)
+        yield Item("TCP", "to do", "there is no frame TCP, so programs move {FLANGE}", remedy)
     for name, pose in robot.flange_from_frame.items():
         length = float(np.linalg.norm(pose[:3, 3]))
         if length > LONG_TOOL:
             position = f"{{{name}}} is {length / MM:.0f} mm from the flange"
-            yield Item("frames", "to do", position, "robot.toml is in mm: check xyz")
+            yield Item("frames", "to do", position, "check xyz, which is in mm")
     if "TCP" in robot.flange_from_frame:
         pose = robot.flange_from_frame["TCP"]
         same = np.allclose(pose, np.eye(4), atol=1e-9)
@@ -330,27 +337,29 @@ def tool_axis(robot: Robot) -> Iterator[Item]:
     z = (robot.chain.base_from_flange @ robot.flange_from_frame["TCP"])[:3, 2]
     share = float(z @ out)
     if share <= -ALONG:
-        found = "z of TCP leads back along the tool, away from the work, as PICKPLACE and PALLET take it"
+        found = "z of TCP points back along the tool, away from the work, as PICKPLACE and PALLET need it"
         yield Item("tool axis", "ok", found)
         return
     if share >= ALONG:
         way, turn = "out along the tool, into the work", "by 180 deg about x"
     else:
-        way, turn = "neither out nor back along the tool", "so that z leads back"
+        way, turn = "neither out nor back along the tool", "so that z points back"
     remedy = (
-        f"for these modules turn TCP {turn} with rpy in [frames.TCP], or call them with a frame that is "
-        f"turned so"
+        f"for these modules turn TCP {turn} with rpy in [frames.TCP], or call them with a frame turned in "
+        "this way"
     )
-    yield Item("tool axis", "note", f"z of TCP leads {way}; PICKPLACE and PALLET want it back", remedy)
+    yield Item(
+        "tool axis", "note", f"z of TCP points {way}; PICKPLACE and PALLET need it to point back", remedy
+    )
 
 
 def outwards(robot: Robot) -> Array | None:
-    """Return the unit direction (3,) in {B} in which the arm points outwards with all joints at 0, or None if
-    the geometry doesn't determine it.
+    """Return the direction in which the end of the arm points with all joints at 0, as a unit vector (3,) in
+    {B}. Return None if the geometry doesn't determine this direction.
 
     With a tool, this is the direction from FLANGE to TCP. Without a tool, it is the direction from the axis
-    of the joint before the last one to the flange. If the last joint turns, only the component along its axis
-    counts.
+    of the joint before the last one to the flange. If the last joint turns, only the direction's component
+    along the axis of this joint counts.
     """
     frame = robot.flange_from_frame.get("TCP")
     if frame is None:
@@ -363,7 +372,7 @@ def outwards(robot: Robot) -> Array | None:
             return None
         from_axis = flange[:3, 3] - lines.points[-2]
         way = from_axis - lines.axes[-2] * (from_axis @ lines.axes[-2])
-        if lines.turn[-1] != 0.0:  # an offset of the wrist isn't the tool's direction
+        if lines.turn[-1] != 0.0:  # the offset across the last axis belongs to the wrist, not to the tool
             way = lines.axes[-1] * (way @ lines.axes[-1])
     length = float(np.linalg.norm(way))
     return way / length if length >= SHORT_TOOL else None

@@ -12,10 +12,14 @@ Verdict = Literal["ok", "note", "to do"]
 
 @frozen
 class Item:
-    """One item of the checklist: `subject` is what was checked, `found` is one sentence with figures, and
-    `remedy` says what to do.
+    """One item of the checklist.
 
-    The verdict `note` is acceptable but worth knowing; `to do` has to be corrected.
+    Attributes:
+        subject: what was checked.
+        verdict: `ok`; `note` for an observation that is acceptable but worth knowing; or `to do` for a
+            problem that has to be corrected.
+        found: the observation, one sentence with figures.
+        remedy: what to do.
     """
 
     subject: str
@@ -25,5 +29,5 @@ class Item:
 
 
 def listed(names: Sequence[str], most: int = 6) -> str:
-    """Return names separated by commas; only the first `most` are listed, the others are counted."""
+    """Return at most `most` names, separated by commas, and the number of the remaining names."""
     return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")

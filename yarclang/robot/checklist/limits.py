@@ -11,16 +11,16 @@ from yarclang.robot.model import REDUCED_SPEED, Array, Robot
 from yarclang.units import MM
 
 USUAL_SPEED = {"deg": (1.0, 1500.0), "mm": (1.0, 5000.0)}
-"""Usual velocity limits of arms, from and to [deg/s, mm/s]."""
+"""Smallest and largest usual velocity limit of an arm's joints [deg/s, mm/s]."""
 
 USUAL_RISE = (0.02, 3.0)
-"""Usual time in which a joint reaches its velocity limit, from and to [s]."""
+"""Shortest and longest usual time in which a joint reaches its velocity limit [s]."""
 
 USUAL_EASE = (0.004, 2.0)
-"""Usual time in which a joint reaches its acceleration limit, from and to [s]."""
+"""Shortest and longest usual time in which a joint reaches its acceleration limit [s]."""
 
 USUAL_TRAVEL = {"deg": (5.0, 1440.0), "mm": (5.0, 20_000.0)}
-"""Usual range of a joint, from and to [deg, mm]."""
+"""Smallest and largest usual range of a joint [deg, mm]."""
 
 
 def limit_items(robot: Robot) -> Iterator[Item]:
@@ -40,20 +40,20 @@ def limit_items(robot: Robot) -> Iterator[Item]:
     yield _times(robot, "jerk limits", ease, USUAL_EASE, "its acceleration limit")
     slow = limits.stop_acceleration < limits.acceleration
     if slow.any():
-        remark = f"{listed(_names(robot, slow))} may stop no faster than in a motion, or slower"
-        yield Item("stops", "note", remark, "give stop_acceleration, what the brakes and gears stand")
+        remark = f"{listed(_names(robot, slow))} have a stop_acceleration that isn't above their acceleration"
+        yield Item("stops", "note", remark, "give the stop_acceleration that brakes and gears tolerate")
     if robot.jog_speed > REDUCED_SPEED * (1.0 + 1e-9):
         remark = (
-            f"the tool goes at up to {robot.jog_speed / MM:g} mm/s, faster than the reduced speed of "
-            f"ISO 10218-1, {REDUCED_SPEED / MM:g} mm/s"
+            f"the tool moves at up to {robot.jog_speed / MM:g} mm/s in jogs, faster than the reduced speed "
+            f"of ISO 10218-1, {REDUCED_SPEED / MM:g} mm/s"
         )
-        yield Item("jogs", "note", remark, "give [jog] a speed of 250, if somebody stands within reach")
+        yield Item("jogs", "note", remark, "give [jog] a speed of 250 if people may be within reach")
     endless = [
         name for name, kind in zip(robot.joint_names, robot.joint_kinds, strict=True) if kind == "continuous"
     ]
     free = [name for name in endless if not np.isfinite(travel[robot.joint_names.index(name)])]
     if free:
-        remark = f"{listed(free)} turn without end: a program may wind them up turn by turn"
+        remark = f"{listed(free)} turn without end: a program may add up turns"
         yield Item(
             "continuous joints", "note", remark, "give position limits if cables or hoses go through them"
         )
@@ -67,7 +67,7 @@ def _within(
     low, high = (np.array([pair[side] for pair in usual]) for side in (0, 1))
     odd = np.isfinite(values) & ((values < low) | (values > high))
     if not odd.any():
-        return Item(subject, "ok", f"all {robot.size} joints have plausible ones")
+        return Item(subject, "ok", f"plausible for all {robot.size} joints")
     joint = int(np.argmax(odd))
     unit = robot.axis_unit_names[joint]
     sentence = (

@@ -1,5 +1,5 @@
-"""Check whether the torques of motions are compared with the joints' effort limits, and compute the torques
-that hold the arm at rest against gravity.
+"""Report if the torques of motions are compared with the joints' effort limits, and compute the torques that
+hold the arm at rest against gravity.
 """
 
 from __future__ import annotations
@@ -16,10 +16,12 @@ from yarclang.robot.kinematics.search import within
 from yarclang.robot.model import Dynamics, Robot
 
 POSITIONS = 500
-"""Number of joint positions, spread over the limits, in which the arm is held."""
+"""Number of joint positions, spread over the limits, at which holding torques are computed."""
 
 FAR_CENTER = 0.5
-"""Distance of a centre of mass from its link, as a share of the arm's length, above which it is wrong."""
+"""Distance of a centre of mass from its link, relative to the arm's length, above which the centre of mass is
+probably wrong.
+"""
 
 
 def mass_items(robot: Robot) -> Iterator[Item]:
@@ -39,8 +41,8 @@ def mass_items(robot: Robot) -> Iterator[Item]:
     torques = np.abs(holding_torques(robot.chain, dynamics, q)) / dynamics.effort
     joint = int(np.argmax(torques.max(axis=0)))
     most = (
-        f"to stand, {robot.joint_names[joint]} needs up to {torques.max():.0%} of its effort in "
-        f"{POSITIONS} positions"
+        f"at rest {robot.joint_names[joint]} needs up to {torques.max():.0%} of its effort in {POSITIONS} "
+        "positions"
     )
     free = [name for name, one in zip(robot.joint_names, is_known, strict=True) if not one]
     without = f"; {listed(free)} have no effort" if free else ""
@@ -48,9 +50,9 @@ def mass_items(robot: Robot) -> Iterator[Item]:
         often = float((torques > 1.0).any(axis=1).mean())
         most = f"{most}, and in {often:.0%} of them a joint needs more than all of its effort"
         remedy = (
-            "motions there are refused: check masses (kg), effort (N m), gravity, and what the tools "
-            "weigh; [joints.NAME] effort goes before the URDF's, and checked = false in [dynamics] leaves "
-            "torques out"
+            "motions there are refused: check masses (kg), effort (N m), gravity and the tools' masses; "
+            "[joints.NAME] effort overrides the URDF's, and checked = false in [dynamics] disables the "
+            "check"
         )
         yield Item("torques", "note", f"{total}; {most}{without}", remedy)
     else:
@@ -60,9 +62,9 @@ def mass_items(robot: Robot) -> Iterator[Item]:
 def _centers(robot: Robot, dynamics: Dynamics) -> Iterator[Item]:
     """Yield the item about centres of mass that lie far from their own link.
 
-    Such a centre often comes from an exporter that writes it in the coordinates of the whole drawing. Here, a
-    link counts as the line from its joint to the next joint. Arms with sliding joints are left out: their
-    links can be as long as the joint's travel.
+    Such a centre often comes from an exporter that writes it in the coordinates of the whole drawing. For
+    this item, a link is the line from its joint to the next joint. Arms with sliding joints are left out:
+    their links can be as long as the joint's travel.
     """
     chain = robot.chain
     if chain.is_prismatic.any():
@@ -81,10 +83,13 @@ def _centers(robot: Robot, dynamics: Dynamics) -> Iterator[Item]:
     if not len(far):
         return
     moved = listed([f"{robot.joint_names[k]} ({away[k]:.3g} m)" for k in far])
-    found = f"centres of mass lie far from what these joints move: {moved}; the arm is {size:.3g} m long"
+    found = (
+        f"centres of mass are far from the links that these joints move: {moved}; the arm is "
+        f"{size:.3g} m long"
+    )
     remedy = (
-        "check <inertial> in the URDF: its <origin> counts from the link's own frame, not from the base; "
-        "checked = false in [dynamics] leaves torques out"
+        "check <inertial> in the URDF: its <origin> is given in the link's own frame, not in the base; "
+        "checked = false in [dynamics] disables the check"
     )
     yield Item("centres of mass", "note", found, remedy)
 
@@ -96,5 +101,5 @@ def _reason(robot: Robot, dynamics: Dynamics) -> str:
     light = dynamics.mass <= 0.0
     if light.any():
         joints = [name for name, one in zip(robot.joint_names, light, strict=True) if one]
-        return f"what {listed(joints, 3)} move has no mass"
+        return f"the links moved by {listed(joints, 3)} have no mass"
     return "" if np.isfinite(dynamics.effort).any() else "no joint has an effort"

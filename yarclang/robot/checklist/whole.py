@@ -39,8 +39,8 @@ def check_robot(name_or_path: str, *further: Callable[[Robot], Iterator[Item]]) 
     Args:
         name_or_path: the name of a robot of the library, or the path of a robot.toml or of a folder that
             contains one.
-        further: functions that yield the items of packages that build on this one, such as the items about
-            collisions.
+        further: functions that yield more items, such as those about collisions. They come from packages
+            that import this one.
     """
     loaded = load_robot(name_or_path)
     items = [_finding(finding) for finding in loaded.diagnostics]

@@ -1,9 +1,9 @@
 """Find joint paths of lower cost that follow the same poses, for a redundant arm.
 
 All samples of the joint path move at once, like an elastic band, each within the null space of its Jacobian.
-Each step goes downhill in cost, is smoothed along the path, and is brought back onto the poses by iteration
-(as in CHOMP: Zucker et al., IJRR 32(9-10), 2013). A joint therefore begins to move long before the place on
-the path where its motion is needed.
+Each step reduces the cost and is smoothed along the path. Iteration then brings the samples back onto the
+poses (as in CHOMP: Zucker et al., IJRR 32(9-10), 2013). A joint therefore begins to move long before the
+place on the path where its motion is needed.
 """
 
 from __future__ import annotations
@@ -25,26 +25,31 @@ FEWEST, MOST = 33, 257
 """The smallest and the largest number of samples of a path."""
 
 MOVE = 0.05
-"""Typical motion of a joint between two samples of the known joint path [rad or m]."""
+"""Typical motion of a joint between two samples of the known joint path [rad or m]. It determines the number
+of samples.
+"""
 
 FARTHEST = 0.15
 """Largest motion of a joint between two samples of a resulting path [rad or m]; `Track` allows 0.2."""
 
 PROBE = 0.01
-"""Step of the central differences for the gradient of the cost [rad, or m by weights]."""
+"""Step of the central differences for the gradient of the cost [units of `_Band.scale`]."""
 
 LARGEST, SMALLEST = 0.15, 0.004
-"""The largest and the smallest step that is tried [rad, or m by weights]."""
+"""The largest and the smallest step of the descent [units of `_Band.scale`]."""
 
 ROUNDS = 30
-"""The largest number of steps from one start."""
+"""The largest number of steps of the descent from one start."""
 
 NUDGE, NUDGES = 0.2, 4
-"""Size [rad, or m by weights] and number of the steps by which a start is moved to one side of the path."""
+"""The start of a later search is the known joint path after up to `NUDGES` displacements of the size `NUDGE`
+[units of `_Band.scale`].
+"""
 
 MOST_ASKED = 8500
-"""Approximate limit on the number of joint positions that are put onto the path or whose cost is evaluated.
-The search ends there; with a cost that measures distances between bodies, this takes about 0.2 s.
+"""Approximate number of joint positions after which the search ends. Counted are joint positions that are put
+onto the path's poses, and those whose cost is evaluated. With a cost that measures distances between bodies,
+the search then takes about 0.2 s.
 """
 
 STIFF = 0.01
@@ -61,9 +66,9 @@ def bent(
     """Yield joint paths within limits that have the same flange poses and the same start as the known joint
     path, but cost less.
 
-    The search for the first path starts from the known joint path itself; the later searches start from paths
-    displaced to one side of it. Each path is computed only when it is requested. An arm with six joints or
-    fewer yields none.
+    The first search starts from the known joint path itself. Each later search starts from the known joint
+    path displaced to one side. Each path is computed only when it is requested. For an arm with six joints or
+    fewer, nothing is yielded.
 
     Args:
         chain: the arm, n joints.
@@ -92,7 +97,10 @@ def bent(
 
 
 class _Band:
-    """The joint positions at all samples of one path, which are moved together like an elastic band."""
+    """A solver that moves the joint positions at all samples of a path together, like an elastic band.
+    `scale` (n,) [rad or m] is the unit of each joint's motion: 1 rad for a turning joint without limits, less
+    for a smaller range.
+    """
 
     __slots__ = ("_cost", "asked", "chain", "high", "limits", "low", "poses", "scale", "smooth", "start")
 
@@ -157,17 +165,17 @@ class _Band:
         return q
 
     def beside(self, q: Array, number: int) -> Array | None:
-        """Return the joint path `q` (M, n), displaced to one side within the null spaces.
-
-        The displacement grows along the first third of the path.
+        """Return the joint path `q` (M, n), displaced by self-motion: joint motion that leaves the flange at
+        rest. The displacement grows from zero over the first third of the path, and is constant after it.
 
         Args:
             q: the joint positions at the samples.
-            number: which side, from 1: each spare dimension of the arm has two sides.
+            number: number of the direction, from 1. An arm with n joints can be displaced in 2 (n - 6)
+                directions.
 
         Returns:
-            (M, n): the joint path after as many small displacements as could be brought back onto the poses;
-            None if not even the first one could.
+            (M, n): the joint path after the last of up to `NUDGES` displacements that could be brought back
+            onto the poses; None if the first one couldn't.
         """
         direction, sign = (number - 1) // 2, 1.0 if number % 2 else -1.0
         share = np.minimum(np.linspace(0.0, 3.0, len(q)), 1.0)[:, None]
@@ -176,8 +184,8 @@ class _Band:
         for _ in range(NUDGES):
             ways = null_spaces(self.chain, q, self.scale)
             way = ways[:, direction].copy()
-            # null vectors have no sign: choose the sign that agrees with the previous sample, and with the
-            # nudge before
+            # null vectors have no sign: choose the sign that agrees with the previous sample and with the
+            # previous displacement
             for place in range(1, len(way)):
                 along = ways[place].T @ (ways[place] @ way[place - 1])
                 way[place] = along / max(float(np.linalg.norm(along)), 1e-9)
@@ -191,8 +199,8 @@ class _Band:
         return moved
 
     def _downhill(self, q: Array, costs: Array) -> Array:
-        """Return a displacement of the joint path, (M, n) [rad, or m by weights], in whose direction the
-        costs (M,) fall. It lies within the null spaces and is smoothed along the path.
+        """Return a displacement (M, n) of the joint path [units of `scale`] that reduces the costs (M,). The
+        displacement is smoothed along the path, and leaves the flange at rest.
         """
         null = null_spaces(self.chain, q, self.scale)
         at = np.flatnonzero(costs > 0.0)
@@ -204,7 +212,7 @@ class _Band:
         way[at] = np.einsum("ak,akn->an", under - over, null[at])
         way[0] = 0.0
         way[1:] = self.smooth @ way[1:]
-        # smoothing has left the null spaces: project back onto them
+        # smoothed displacements are no longer in the null spaces: project them back
         smoothed: Array = np.einsum("akn,ak->an", null, np.einsum("akn,an->ak", null, way))
         return smoothed
 

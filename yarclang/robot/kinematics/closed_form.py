@@ -2,9 +2,9 @@
 once.
 
 The last index of each array counts the samples (poses). The indices before it count the branches: (shoulder
-2, elbow 2) for the arm, with (wrist 2) in front of them for the wrist. Angles are computed by half-angle
-formulas and by atan2 of both legs of a right triangle. They therefore stay accurate near a boundary, where a
-solution vanishes or two solutions meet.
+2, elbow 2) in arrays about the arm, and (wrist 2, shoulder 2, elbow 2) in arrays about the wrist. Angles are
+computed by half-angle formulas, and by atan2 of both legs of a right triangle. These formulas are accurate
+also near the poses at which a solution vanishes or two solutions meet.
 """
 
 from __future__ import annotations
@@ -20,7 +20,9 @@ from yarclang.robot.kinematics.wrist import HOLD, REACH_TOLERANCE, TURN, held, w
 from yarclang.robot.model import Array
 
 BLOCK = 512
-"""Poses in one block, so that their eight branches stay in the second-level cache."""
+"""Number of poses in one block. It is small enough for their eight branches to stay in the second-level
+cache.
+"""
 
 
 def free_joints(arm: Form) -> tuple[int, int]:
@@ -36,10 +38,13 @@ def free_joints(arm: Form) -> tuple[int, int]:
 class Branches:
     """All eight solutions (branches) of N poses; the last index of each array counts the poses.
 
-    `q` (6, 8, N) [rad] is in (-pi, pi]. If a branch doesn't reach its pose, `valid` (8, N) is false, and the
-    arm stretches towards the pose at `q`. `free` (2, 8, N) is true if the pose doesn't determine q1 (the
-    wrist centre is on axis 1), or a wrist angle (the wrist is straight); `q` then has the value that the
-    caller gave for this angle.
+    Attributes:
+        q: (6, 8, N) joint positions in (-pi, pi] [rad]. If a branch doesn't reach its pose, this is the joint
+            position at which the arm stretches towards the pose.
+        valid: (8, N) True if the branch reaches its pose.
+        free: (2, 8, N) True if the pose doesn't determine an angle, so that `q` has the caller's value for
+            it. The first entry stands for q1 (the wrist centre is on axis 1), the second for a wrist angle
+            (the wrist is straight).
     """
 
     q: Array
@@ -48,7 +53,7 @@ class Branches:
 
     @property
     def singular(self) -> NDArray[np.bool_]:
-        """True (8, N) where the pose leaves an angle free, so that the caller's value was used."""
+        """Mask (8, N), True where the pose leaves an angle free, so that the caller's value was used."""
         over, straight = self.free
         either: NDArray[np.bool_] = over | straight
         return either
@@ -61,8 +66,8 @@ def closed_form(arm: Form, base_from_flange: Array, hold: Array) -> Branches:
         arm: the arm's constants.
         base_from_flange: (N, 4, 4).
         hold: (6, N) or (6, 1) [rad], the values for angles that a pose leaves free: q1 if the wrist centre is
-            on axis 1, and q4 if the wrist is straight. With three parallel axes, the sum of their angles is
-            taken from `hold` instead of q4.
+            on axis 1, and q4 if the wrist is straight. For an arm with three parallel axes, the sum of the
+            angles of these axes is taken from `hold` instead of q4.
 
     Returns:
         The branches; the index of a branch is 4 wrist + 2 shoulder + elbow, each 0 or 1.
@@ -88,7 +93,7 @@ def _block(arm: Form, poses: Array, hold: Array) -> Branches:
     sin1, cos1 = np.sin(q1), np.cos(q1)
     q2, q3, reached = _elbow(arm, columns[3], sin1, cos1)
     reached = reached & over.reached
-    # the rotation that is left for the wrist, rows first: (3, 3, shoulder 2, elbow 2, N)
+    # the wrist must make the rotation that remains after joints 1 to 3: undo the turn of joint 1
     rows = columns[:3].transpose(1, 0, 2)[:, :, None]
     turned: Array = np.empty((3, 3, 2, count))
     turned[0] = cos1 * rows[0] + sin1 * rows[1]
@@ -125,20 +130,23 @@ def _parallel_block(arm: ParallelArm, poses: Array, hold: Array) -> Branches:
     count, columns = len(poses), _columns(arm, poses)
     q1, over = _shoulder(arm, columns[3], hold[0])
     sin1, cos1 = np.sin(q1), np.cos(q1)
-    # the rotation that is left for the parallel axes together and axes 5 and 6: (3, 3, shoulder 2, N)
+    # the parallel axes (together), axis 5 and axis 6 must make the rotation that remains after joint 1: undo
+    # the turn of joint 1
     rows = columns[:3].transpose(1, 0, 2)[:, :, None]
     turned: Array = np.empty((3, 3, 2, count))
     turned[0] = cos1 * rows[0] + sin1 * rows[1]
     turned[1] = cos1 * rows[1] - sin1 * rows[0]
     turned[2] = rows[2]
     turned = ((arm.shoulder[:3, :3] @ arm.wrist).T @ turned.reshape(3, -1)).reshape(3, 3, 2, count)
-    # the parallel axes turn together by the sum of their angles, counted about axis 2
+    # `together` is the sum of the angles of the three parallel axes in `hold`, counted about axis 2
     together = hold[1] + arm.elbow_sign * hold[2] + arm.hand_sign * hold[3]
-    # axis 2 stands for axis 4 of a wrist; its zero is in `arm.wrist`, so `together` needs no offset
+    # axis 2 takes the role of axis 4 of a spherical wrist. The rotation `arm.wrist` already contains the zero
+    # position of its angle, so that `together` needs no offset
     wrist, bendable, straight = wrist_angles(arm, turned, together)
-    # subtract the hand: x and y of axis 4 in frame 2, (wrist 2, shoulder 2, N)
+    # `arm.hand`, the vector from axis 4 to the wrist centre, turns by the sum of the three angles, `wrist[0]`
     sin, cos = np.sin(wrist[0]), np.cos(wrist[0])
-    # the hand leads from axis 4 to the wrist centre and is turned by the sum of the three angles
+    # subtract the turned `arm.hand` from the wrist centre: x and y of axis 4 in frame 2, each (wrist 2,
+    # shoulder 2, N)
     x, y = _in_plane(arm, columns[3], sin1, cos1)
     x = x - (cos * arm.hand[0] - sin * arm.hand[1])
     y = y - (sin * arm.hand[0] + cos * arm.hand[1])
@@ -147,7 +155,7 @@ def _parallel_block(arm: ParallelArm, poses: Array, hold: Array) -> Branches:
     q[0] = q1[:, None]
     q[1] = q2
     q[2] = q3 * arm.elbow_sign
-    # what joints 2 and 3 leave of the sum is joint 4's angle
+    # joint 4's angle is the sum minus the angles of joints 2 and 3
     q[3] = (wrist[0][:, :, None] - q2 - q3) * arm.hand_sign
     q[4:] = wrist[1:, :, :, None]
     q = q.reshape(6, 8, count)
@@ -160,8 +168,10 @@ def _parallel_block(arm: ParallelArm, poses: Array, hold: Array) -> Branches:
 
 
 def _columns(arm: Form, poses: Array) -> Array:
-    """Return the axes of the wrist's last frame and, as the fourth column, the wrist centre in the first
-    joint's frame, as (4, 3, N), for base_from_flange (N, 4, 4).
+    """Return the wrist's last frame for each of the poses base_from_flange (N, 4, 4), in the first joint's
+    frame.
+
+    The result is (4, 3, N): the frame's three axes, then its origin, which is the wrist centre.
     """
     columns: Array = np.ascontiguousarray(poses[:, :3].transpose(2, 1, 0))
     columns = (arm.flange_from_wrist.T @ columns.reshape(4, -1)).reshape(4, 3, len(poses))
@@ -209,7 +219,7 @@ def one_branch(
     Returns:
         Joint positions (6, N) [rad]; a mask (N,) of the poses that they reach; and a mask (N,) of the poses
         that leave an angle of any branch free. The joint positions for poses with free angles are
-        meaningless: use `closed_form` there, which takes values for free angles.
+        meaningless: for such poses, use `closed_form`, which takes values for free angles.
     """
     if isinstance(arm, ParallelArm):
         found = closed_form(arm, base_from_flange, np.zeros((6, 1)))
@@ -253,7 +263,8 @@ def _is_straight(
     turned = (arm.shoulder[:3, :3].T @ turned.reshape(3, -1)).reshape(3, 2, 1, -1)
     sin, cos = np.sin(bent), np.cos(bent)
     along, aside = cos * turned[0] + sin * turned[1], cos * turned[1] - sin * turned[0]
-    # the last axis across axis 4: its length is the sine of the angle between the two
+    # the component of the last axis perpendicular to axis 4; its length is the sine of the angle between
+    # these two axes
     x, y = (one * along + other * aside + third * turned[2] for one, other, third in arm.wrist.T[:2])
     found: NDArray[np.bool_] = (x * x + y * y < (11.0 * HOLD) ** 2).any(axis=(0, 1))
     return found
@@ -261,8 +272,8 @@ def _is_straight(
 
 @frozen
 class _Over:
-    """Two masks (N,) about the wrist centre of each pose: `reached` if joint 1 can turn the arm's plane to
-    it, `singular` if it is on axis 1.
+    """Two masks (N,) about the wrist centre of each pose. `reached` is True if joint 1 can turn the arm's
+    plane through the wrist centre. `singular` is True if the wrist centre is on axis 1.
     """
 
     reached: NDArray[np.bool_]
@@ -279,9 +290,12 @@ def _shoulder(arm: Form, centre: Array, hold: Array) -> tuple[Array, _Over]:
     lean = math.hypot(axis[0], axis[1])
     radius = np.hypot(centre[0], centre[1])
     side = ((arm.depth + axis @ origin) - axis[2] * centre[2]) / lean
-    # (radius - |side|) (radius + |side|) is the squared other leg, without cancellation
+    # radius² - side², the square of the right triangle's other leg, is computed as a product to avoid
+    # cancellation
     slack = radius - np.abs(side)
     spread = np.arctan2(np.sqrt(np.maximum(slack * (radius + np.abs(side)), 0.0)), side)
+    # The component of the wrist centre along axis 2 is lean · radius · cos(q1 - middle) plus a constant. One
+    # cosine equation therefore gives q1.
     middle = np.arctan2(centre[1], centre[0]) - math.atan2(axis[1], axis[0])
     q1 = np.stack((middle - spread, middle + spread))
     singular = radius < 10.0 * HOLD
@@ -325,6 +339,7 @@ def _two_links(arm: Form, x: Array, y: Array) -> tuple[Array, Array, NDArray[np.
     sine = np.sqrt(np.maximum(beyond * (far + distance), 0.0))
     cosine = np.sqrt(np.maximum(inside * (distance + near), 0.0))
     fold = 2.0 * np.arctan2(sine, cosine)
+    # Angle at the shoulder between the upper link and the line to the tip.
     tip = np.arctan2(arm.fore * np.sin(fold), arm.upper + arm.fore * np.cos(fold))
     towards = np.arctan2(y, x)
     q2 = np.stack((towards - tip, towards + tip), axis=-2)
@@ -347,10 +362,10 @@ def nearest_form(arm: Form, poses: Array, seed: Array) -> tuple[Array, NDArray[n
     """Find one solution (6, N) near seeds (6, N), and prove, where possible, that it is the nearest of all
     eight solutions (branches).
 
-    The shoulder, elbow and wrist angles are chosen one after the other from two possibilities each. A choice
-    costs its squared joint difference from the seed. Any other solution differs in at least one of these
-    choices, and costs at least as much as the rejected possibility. If the whole solution costs less than
-    each rejected possibility, no other solution is nearer.
+    The shoulder, elbow and wrist are chosen one after the other, each from two possibilities. The cost of a
+    possibility is its squared joint difference from the seed. Any other solution contains at least one
+    rejected possibility, and costs at least as much as this possibility. If the whole solution costs less
+    than each rejected possibility, no other solution is nearer.
 
     Args:
         arm: the arm's constants.
@@ -366,7 +381,7 @@ def nearest_form(arm: Form, poses: Array, seed: Array) -> tuple[Array, NDArray[n
     columns = _columns(arm, poses)
     q: Array = np.empty((6, len(poses)))
     q1, over = _shoulder(arm, columns[3], seed[0])
-    # choose the shoulder; `rival` collects the least cost of a rejected side
+    # choose the shoulder; `rival` is the least cost of all rejected possibilities so far
     q1, away1 = next_to(q1, seed[0])
     cost1 = away1 * away1
     second = cost1[1] < cost1[0]
@@ -392,9 +407,10 @@ def nearest_form(arm: Form, poses: Array, seed: Array) -> tuple[Array, NDArray[n
     rival = np.minimum(rival, np.maximum(costs[0], costs[1]))
     cost += np.minimum(costs[0], costs[1])
     q[3:] = np.where(second, turns[:, 1], turns[:, 0])
-    # costs are sums of squares: any other branch costs at least as much as the rejected side in which it is
+    # costs are sums of squares: any other branch costs at least as much as the rejected possibility that it
+    # contains
     sure = (cost < rival) & over.reached & reached[0] & bendable[0]
-    # near a singularity rounding decides: leave these poses to `closed_form`, which is the reference
+    # near a singularity, rounding decides which solution is nearest: leave these poses to `closed_form`
     sure &= np.hypot(rest[0, 2, 0], rest[1, 2, 0]) > 1e-5
     sure &= ~over.singular
     return q, sure

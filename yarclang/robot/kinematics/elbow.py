@@ -30,10 +30,10 @@ class Elbow:
 def elbow_of(chain: Chain) -> Elbow | None:
     """Return the elbow of an arm, or None if it has none.
 
-    The shoulder is the point at which the first two turning axes meet, or come nearest to each other. The
-    elbow's axis is the turning axis that is farthest from both shoulder and flange, with all joints at zero;
-    the smaller of the two distances counts. A joint on this axis changes the distance from shoulder to flange
-    most. The elbow is the point of the axis that is nearest to the shoulder.
+    The shoulder is the point at which the first two turning axes meet, or come nearest to each other. Each
+    turning axis has two distances, from the shoulder and from the flange, with all joints at zero. The
+    elbow's axis is the one whose smaller distance is largest. A joint on this axis changes the distance from
+    shoulder to flange most. The elbow is the point of the axis that is nearest to the shoulder.
     """
     turning = np.flatnonzero(~chain.is_prismatic)
     if len(turning) < 2:
@@ -48,7 +48,7 @@ def elbow_of(chain: Chain) -> Elbow | None:
             float(np.linalg.norm(shoulder - point)),
             float(np.linalg.norm(flange - _foot(frames[joint], flange))),
         )
-        # of axes that are equally far up to rounding, keep the first
+        # if several axes have equal distances up to rounding, keep the first axis
         if away > best * (1.0 + 1e-9):
             best, elbow = away, Elbow(joint, point)
     return elbow

@@ -2,15 +2,18 @@
 
 The method is that of Raghavan and Roth (Inverse Kinematics of the General 6R Manipulator and Related
 Linkages, Journal of Mechanical Design 115(3), 1993), with the last step of Manocha and Canny (Efficient
-Inverse Kinematics for General 6R Manipulators, IEEE T-RO 10(5), 1994). Two of the angles appear on one side
-only of fourteen equations. Their elimination leaves six equations in the other three angles. Written in the
-half tangents of two of these three, the equations give a 12 by 12 matrix whose entries are quadratic in the
-half tangent of the third. Its eigenvalues are the solutions, at most sixteen.
+Inverse Kinematics for General 6R Manipulators, IEEE T-RO 10(5), 1994). Fourteen equations contain five of the
+six angles. Two of these angles appear only on the right sides, and are eliminated; six equations in the other
+three angles remain. The half tangent of an angle is the tangent of half the angle. In the half tangents of
+two of the three angles, the equations have a 12 by 12 matrix, whose entries are quadratic in the half tangent
+of the third angle. The eigenvalues of this quadratic matrix are the third angle's half tangents in all
+solutions, at most sixteen.
 
-The loop of an arm and its pose can be opened at several joints and read from either end, which gives six
-eliminations (`_ORDERS`). If axes are parallel or meet, some of these have no regular matrix. Each arm is
-therefore tried once with all six. If no elimination finds all solutions, the arm is bent a little: isolated
-solutions then move only a little, and iteration brings them back.
+The arm and its pose form a closed loop of joints. This loop can be opened at several joints and read from
+either end; six of these possibilities are used as eliminations (`_ORDERS`). If axes are parallel or meet,
+some of these have no regular matrix. Each arm is therefore tried once with all six. If a pose has no regular
+matrix, the geometry of the arm is changed a little (bent). Isolated solutions then also change only a little,
+and iteration brings them back to solutions of the real arm.
 """
 
 from __future__ import annotations
@@ -31,25 +34,25 @@ MOST = 16
 """The largest number of isolated solutions of a pose."""
 
 BLOCK = 256
-"""Poses whose matrices are solved together."""
+"""Number of poses whose matrices are solved together."""
 
 NEARLY_REAL = 0.05
-"""A half tangent may belong to a real solution if its imaginary part is smaller than this share of its
-magnitude.
-"""
+"""Largest ratio of imaginary part to magnitude of a half tangent that may belong to a real solution."""
 
 BENT = 1e-5
-"""Size of the bend of an arm that has no regular matrix [rad, and arm lengths]."""
+"""Size of the change to the geometry of an arm that has no regular matrix [rad, and units of `scale`]. For a
+single pose without a regular matrix, the change is 10 or 100 times as large.
+"""
 
 TRIED = 12
-"""Number of poses with which the eliminations of an arm are compared."""
+"""Number of poses for which each possible elimination of an arm is tried, to find the most accurate one."""
 
 STEPS = 14
-"""The largest number of iterations that make a solution exact."""
+"""The largest number of iteration steps that improve a solution."""
 
 LESS = 0.35
-"""The miss [m and rad together] must shrink to this share with each step; otherwise the candidate is given
-up.
+"""Bound on the miss of a candidate [m and rad together]: a candidate that misses its pose by `LESS`**k or
+more after k iteration steps is given up.
 """
 
 TWIN, NEXT = 0.01, 0.01
@@ -66,29 +69,34 @@ solutions meet, joint positions at this distance from both solutions miss the po
 """
 
 _ORDERS = (1, 4, 0, 2, 3, 5)
-"""Joints at which the loop is opened, as numbers 0 to 2 if the loop is read forwards and 3 to 5 if it is read
-from its other end. The orders that suit most arms come first.
+"""Numbers of the eliminations, those that suit most arms first. Elimination k reads the loop of arm and pose
+forwards if k is below 3, otherwise backwards. It opens the loop k mod 3 joints before its first joint.
 """
 
 _OFFSETS = (0.3, 0.7, 1.1)
-"""Zeros of the three eliminated angles [rad]. A half tangent is infinite half a turn from the zero; these
-values keep that away from the angles that people use.
+"""Zero points from which the three remaining angles are counted [rad]. At half a turn from its zero point, an
+angle has an infinite half tangent. These zero points are chosen so that solutions seldom have such an angle.
 """
 
 _THIRDS: Array = 2.0 * math.pi / 3.0 * np.arange(3.0)
 _TRIGONOMETRIC = np.linalg.inv(np.stack((np.ones(3), np.cos(_THIRDS), np.sin(_THIRDS)), axis=1))
-"""Map values at three angles to the coefficients of 1, cos, sin."""
+"""Matrix that maps the values of an expression at three angles to its coefficients of 1, cos, sin."""
 _HALVES = np.array([[1.0, 1.0, 0.0], [0.0, 0.0, 2.0], [1.0, -1.0, 0.0]])
-"""Map the coefficients of 1, cos, sin to those of 1, x, x², times 1 + x², where x is the half tangent."""
+"""Matrix that maps an expression in 1, cos and sin to the half tangent x. It takes the coefficients of 1,
+cos, sin, and gives the coefficients of 1, x, x² of the expression times 1 + x².
+"""
 
 
 @frozen(eq=False)
 class Elimination:
     """The constants of one elimination for an arm.
 
-    `first` (4, 4) is the transform before the first joint's frame, `last` (4, 4) the transform after the last
-    joint's frame, and `steps` (5, 4, 4) are the transforms between the joints' frames. Lengths are in units
-    of `scale` [m]. `order` is one of `_ORDERS`: it says at which joint the loop is opened.
+    Attributes:
+        first: (4, 4) transform before the first joint's frame, lengths in m.
+        last: (4, 4) transform after the last joint's frame, lengths in m.
+        steps: (5, 4, 4) transforms between the joints' frames, lengths in units of `scale`.
+        scale: length that is the unit of `steps` [m].
+        order: number of the elimination, one of `_ORDERS`.
     """
 
     first: Array
@@ -128,9 +136,9 @@ def _with_twins(
     """Return solutions (N, MOST, 6) and their mask (N, MOST), with solutions added that are close neighbours
     of those found.
 
-    If two solutions are about to meet, their half tangents nearly form a double root, and iteration may lead
-    from both to the same solution. The two differ along the joint motion that leaves the flange at rest, so
-    the second one is searched for in that direction.
+    If two solutions are about to meet, their half tangents nearly form a double root, and iteration may bring
+    both candidates to the same solution. The two solutions differ along the joint motion that leaves the
+    flange at rest. The second solution is therefore searched for in this direction.
     """
     rows, which = np.nonzero(valid)
     candidates = q[rows, which]
@@ -171,7 +179,7 @@ def distinct(
     good = miss < EXACT
     rows, solutions = rows[good], solutions[good]
     solutions -= 2.0 * math.pi * np.round(solutions / (2.0 * math.pi))
-    # sort by rounded joint values, so that the last bit doesn't decide
+    # sort by rounded joint values, so that the order doesn't depend on the last bit
     order = np.lexsort((*np.round(solutions.T[::-1], 5), rows))
     rows, solutions = rows[order], solutions[order]
     # number each candidate within its pose
@@ -216,15 +224,16 @@ def polished(chain: Chain, base_from_flange: Array, q: Array) -> tuple[Array, Ar
         better = size < miss[active]
         kept = active[better]
         best[:, kept], miss[kept] = trial[:, kept], size[better]
-        # stop at the accuracy of floating point, and give up what doesn't converge: even at a double root,
-        # where Newton's method is only linear, the miss shrinks to a quarter
+        # stop at the accuracy of floating point, and give up candidates that don't converge. Even at a double
+        # root, where Newton's method converges only linearly, each step reduces the miss to a quarter, which
+        # is less than `LESS`
         going = (size > EXACT) | (better & (size > 1e-12))
         going &= size < LESS**step_number
         if not going.any():
             break
         active, jacobian, error = active[going], jacobian[:, :, going].transpose(2, 0, 1), error[:, going].T
         squares = jacobian.transpose(0, 2, 1) @ jacobian
-        # damping that keeps the matrix regular where axes coincide
+        # this much damping keeps the matrix regular even if axes coincide
         least = 1e-14 * np.trace(squares, axis1=1, axis2=2) + 1e-15
         squares += (least + 1e-3 * np.square(size[going]))[:, None, None] * np.eye(6)
         step = np.linalg.solve(squares, jacobian.transpose(0, 2, 1) @ error[:, :, None])[:, :, 0]
@@ -264,18 +273,18 @@ def misses_of(chain: Chain, base_from_flange: Array, q: Array) -> Array:
 
 @lru_cache(maxsize=64)
 def best_elimination(chain: Chain) -> Elimination:
-    """Return the elimination that finds most solutions for an arm, cached by the chain's identity.
+    """Return the elimination that finds the most solutions for an arm, cached by the chain's identity.
 
-    The eliminations are tried on the poses of some joint positions. The search ends as soon as three
+    Each elimination is tried on the poses of a few random joint positions. The search ends as soon as three
     eliminations have found the same largest number of solutions, and the last two of them also found all
-    these joint positions again. Otherwise the elimination that found most solutions wins.
+    these joint positions again. Otherwise the elimination with the most solutions wins.
     """
     from yarclang.robot.kinematics.fk import flange_poses
 
     random = np.random.default_rng(0)
     q = random.uniform(-3.0, 3.0, (TRIED, 6))
     poses = flange_poses(chain, q)
-    # the default, for an arm that reaches no pose by isolated solutions
+    # this elimination is returned if none yields candidates, as for an arm without isolated solutions
     best, most, sure = _bent(chain, _ORDERS[0]), -1, 0
     for form in (
         *(_elimination(chain, order) for order in _ORDERS),
@@ -289,8 +298,8 @@ def best_elimination(chain: Chain) -> Elimination:
         if total > most:
             best, most, sure = form, total, 0
         elif total == most:
-            # another elimination finds as many solutions, with the known ones among them: assume that there
-            # are no more once this has happened twice
+            # count the further eliminations that find equally many solutions, the known joint positions among
+            # them. After two of these, assume that there are no more solutions
             away = solved - q[:, None]
             away -= 2.0 * math.pi * np.round(away / (2.0 * math.pi))
             near = np.where(valid, np.abs(away).max(axis=2), np.inf).min(axis=1)
@@ -368,8 +377,8 @@ def _loop(form: Elimination, base_from_flange: Array) -> tuple[list[int], list[A
     opens the loop.
 
     Returns:
-        The joints in the loop's order; the transform after each of them, which is (4, 4), or (N, 4, 4) for
-        the transform that contains the poses; and the sign of the angles.
+        The joints in the loop's order; the transform after each joint; and the sign of the angles. The
+            transforms are (4, 4), except for the one that contains the poses, which is (N, 4, 4).
     """
     # the pose closes the loop: the inverse of `between` is the transform from the last joint to the first
     between = _inverse(form.first) @ base_from_flange @ _inverse(form.last)
@@ -395,7 +404,7 @@ def _left_side(form: Elimination) -> Array:
     turned_c = _turns(_THIRDS + _OFFSETS[0])[:, None, None]
     turned_d = _turns(_THIRDS + _OFFSETS[1])[None, :, None]
     turned_e = _turns(_THIRDS + _OFFSETS[2])[None, None]
-    # evaluated at three angles each, which determines the coefficients of 1, cos, sin
+    # evaluate the left side at three values of each angle, which determine its coefficients of 1, cos, sin
     left = turned_c @ cd @ turned_d @ de @ turned_e @ ef
     values = _fourteen(left[..., :3, 2], left[..., :3, 3])
     side: Array = np.einsum("xi,yj,zk,ijkm->mxyz", _TRIGONOMETRIC, _TRIGONOMETRIC, _TRIGONOMETRIC, values)
@@ -411,8 +420,8 @@ def _solved(form: Elimination, base_from_flange: Array) -> tuple[NDArray[np.int_
     """
     count = len(base_from_flange)
     joints, (ab, bc, cd, de, ef, fa), sense = _loop(form, base_from_flange)
-    # R_c cd R_d de R_e ef = bc⁻¹ R_b⁻¹ ab⁻¹ R_a⁻¹ fa⁻¹ R_f⁻¹: the third and fourth columns don't contain the
-    # last angle f
+    # the closed loop, with R_x for the turn of joint x: R_c cd R_d de R_e ef = bc⁻¹ R_b⁻¹ ab⁻¹ R_a⁻¹ fa⁻¹
+    # R_f⁻¹. The third and fourth columns don't contain the last angle f
     three = _left_side(form)
     back = _turns(-_THIRDS)
     right = _inverse(fa)[..., 2:4]
@@ -421,7 +430,7 @@ def _solved(form: Elimination, base_from_flange: Array) -> tuple[NDArray[np.int_
     two = _fourteen(right[..., :3, 0], right[..., :3, 1])
     two = np.einsum("xi,yj,ijnm->nmyx", _TRIGONOMETRIC, _TRIGONOMETRIC, two).reshape(count, 14, 9)
     constant, factors = two[:, :, 0], two[:, :, 1:]
-    # project onto the six combinations that are orthogonal to all terms in the first two angles
+    # keep the six combinations of the fourteen equations that contain no terms in the first two angles
     free = np.linalg.qr(factors, mode="complete")[0][:, :, 8:].transpose(0, 2, 1)
     six = (free @ three.reshape(14, 27)).reshape(count, 6, 3, 3, 3)
     six[:, :, 0, 0, 0] -= (free @ constant[:, :, None])[:, :, 0]
@@ -438,7 +447,7 @@ def _solved(form: Elimination, base_from_flange: Array) -> tuple[NDArray[np.int_
         matrices[:, 2], np.concatenate((matrices[:, 0], matrices[:, 1]), axis=2)
     )
     values, vectors = np.linalg.eig(companion)
-    # of a conjugate pair that is nearly one real value, keep one
+    # if a conjugate pair is nearly a real double value, keep one of the two
     real = (np.abs(values.imag) < NEARLY_REAL * np.maximum(np.abs(values), 1e-3)) & (values.imag >= 0.0)
     rows, which = np.nonzero(real)
     value, vector = values[rows, which].real, vectors[rows, :, which]
@@ -448,6 +457,7 @@ def _solved(form: Elimination, base_from_flange: Array) -> tuple[NDArray[np.int_
     powers = (vector / largest).real.reshape(-1, 4, 3)
     # entries of v are monomials of the half tangents of d and e: their ratios give the angles
     c: Array = 2.0 * np.arctan(value)
+    # v[i, k] is proportional to d^i e^k: neighbouring rows and columns have the ratios d and e.
     d = _angle(powers[:, :3].reshape(-1, 9), powers[:, 1:].reshape(-1, 9))
     e = _angle(powers[:, :, :2].reshape(-1, 8), powers[:, :, 1:].reshape(-1, 8))
     bases = [np.stack((np.ones_like(angle), np.cos(angle), np.sin(angle)), axis=1) for angle in (c, d, e)]
@@ -472,7 +482,7 @@ def _solved(form: Elimination, base_from_flange: Array) -> tuple[NDArray[np.int_
 
 
 _TO_HALVES = np.einsum("xi,yj,zk->ijkxyz", _HALVES, _HALVES, _HALVES).reshape(27, 27)
-"""Map products of 1, cos, sin of three angles to products of powers of their half tangents."""
+"""Matrix that maps products of 1, cos, sin of three angles to products of powers of their half tangents."""
 
 
 def _fourteen(axis: Array, point: Array) -> Array:

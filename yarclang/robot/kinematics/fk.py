@@ -1,13 +1,13 @@
 """Compute forward kinematics and Jacobians for many joint positions at once (product of exponentials; Lynch
 and Park, ch. 4 and 5).
 
-Pinocchio reads the URDF. For many poses at once, these arrays are several times as fast as a loop over
-Pinocchio's functions; the tests compare the two.
+Pinocchio reads the URDF. For many poses at once, the array operations here are several times as fast as a
+loop over Pinocchio's functions; the tests compare the results of both.
 
 Internally each joint gets a frame whose z is the joint's axis. The joint's motion then is a rotation of two
 columns, and the transform between two joints is one constant matrix. The last index of an array counts the
-samples (joint positions): each step from joint to joint is a few operations on whole rows, in blocks that
-stay in the cache.
+samples (joint positions). Each step from joint to joint is therefore a few operations on whole rows. The
+samples are divided into blocks that stay in the cache.
 """
 
 from __future__ import annotations
@@ -20,7 +20,9 @@ from yarclang.frozen import frozen
 from yarclang.robot.model import Array, Chain, Lines
 
 BLOCK = 1024
-"""Samples in one block: the arrays of a step stay in the second-level cache."""
+"""Number of samples in one block. It is small enough for the arrays of a step to stay in the second-level
+cache.
+"""
 NO_PITCH = 1e-11
 """Largest pitch [m per rad] that is treated as rounding: the joint only turns. If the joint's axis is farther
 than 1 m from {B}'s origin, the limit grows in proportion to the distance.
@@ -139,8 +141,8 @@ def walk(chain: Chain, q: Array, flange_from_tool: Array) -> tuple[Array, Array,
         flange_from_tool: (4, 4).
 
     Returns:
-        The tool's axes and, as the fourth column, its origin (4, 3, N); each joint's axis (n, 3, N); and a
-        point on each axis (n, 3, N). All are in {B}.
+        Three arrays in {B}: the tool's frame (4, 3, N), its three axes and then its origin; each joint's axis
+            (n, 3, N); and a point on each axis (n, 3, N).
     """
     links = links_of(chain)
     count = q.shape[1]
@@ -156,7 +158,7 @@ def walk(chain: Chain, q: Array, flange_from_tool: Array) -> tuple[Array, Array,
         else:
             reached[:] = frame
         if links.turn[joint]:
-            # a turn about z combines only the columns x and y: x' = cos x + sin y, y' = cos y - sin x
+            # a turn about z combines only the columns x and y: x' = cos · x + sin · y, y' = cos · y - sin · x
             np.multiply(reached[:2], cos[joint], out=frame[:2])
             frame[0] += reached[1] * sin[joint]
             frame[1] -= reached[0] * sin[joint]
@@ -172,13 +174,16 @@ def walk(chain: Chain, q: Array, flange_from_tool: Array) -> tuple[Array, Array,
 
 @frozen(eq=False)
 class Links:
-    """The constants of a chain that `walk` needs.
+    """The constants of a chain that `walk` needs. Each joint's frame has z along the joint's axis.
 
-    `frames` (n, 4, 4) are the joints' frames in {B} with all joints at zero, z along the axis. `first` (4, 3)
-    has the columns of the first frame, `steps` (n, 4, 4) the transposed transforms from each joint's frame to
-    the frame before, `last` (4, 4) the flange in the last joint's frame. Per unit of joint position, `turn`
-    (n,) is the angle about z and `slide` (n,) the distance along z. `uniform` is True if `turn` is 1 and
-    `slide` is 0 for all joints.
+    Attributes:
+        frames: (n, 4, 4) the joints' frames in {B} with all joints at zero.
+        first: (4, 3) columns of the first joint's frame.
+        steps: (n, 4, 4) transposed transforms from each joint's frame to the previous frame.
+        last: (4, 4) the flange in the last joint's frame.
+        turn: (n,) angle about z per unit of joint position.
+        slide: (n,) distance along z per unit of joint position.
+        uniform: True if `turn` is 1 and `slide` is 0 for all joints.
     """
 
     frames: Array

@@ -1,15 +1,15 @@
 """Recognize arms with a closed form: six turning joints, and a spherical wrist or three parallel axes.
 
-Spherical wrist: the last three axes meet in one point (the wrist centre), axis 5 is parallel to neither 4 nor
-6, axes 2 and 3 are parallel, and axis 1 isn't parallel to them. Offsets and other angles are free. The
-decomposition is that of Elias and Wen, IK-Geo (Mechanism and Machine Theory 209, 2025), "spherical wrist, two
-parallel". Subproblem 4 gives q1, subproblem 3 gives q3, subproblem 1 gives q2; then subproblems 4, 1 and 1
-give the wrist.
+Spherical wrist: the last three axes meet in one point (the wrist centre), and axis 5 is parallel to neither 4
+nor 6. In addition, axes 2 and 3 are parallel, and axis 1 isn't parallel to them. Offsets and other angles are
+arbitrary. The decomposition is that of Elias and Wen, IK-Geo (Mechanism and Machine Theory 209, 2025),
+"spherical wrist, two parallel". Subproblem 4 gives q1, subproblem 3 gives q3, subproblem 1 gives q2; then
+subproblems 4, 1 and 1 give the wrist.
 
 Three parallel axes (2, 3, 4: most cobots): axes 5 and 6 meet. When the parallel axes turn, this meeting point
-keeps its distance along axis 2, which gives q1 (subproblem 4). The rotation that is left after joint 1 is a
-turn about the parallel axes, by the sum of q2, q3 and q4, followed by the turns about axes 5 and 6. These
-three turns are solved like a wrist. Then subproblem 3 gives q3 and subproblem 1 gives q2.
+keeps its distance along axis 2, which gives q1 (subproblem 4). The rotation that the joints after joint 1
+must make is a turn about the parallel axes, by the sum of q2, q3 and q4, followed by the turns about axes 5
+and 6. These three turns are solved like a wrist. Then subproblem 3 gives q3 and subproblem 1 gives q2.
 """
 
 from __future__ import annotations
@@ -27,23 +27,30 @@ TOLERANCE = 1e-9
 """Distance [m] or angle [rad] up to which axes count as meeting or as parallel."""
 
 SMALL_ANGLE = 1e-3
-"""Axes that are nearer to parallel than this [rad] can't serve as a wrist or a shoulder."""
+"""Smallest angle [rad] between two axes of a wrist or shoulder that must not be parallel."""
 
 
 @frozen(eq=False)
 class WristedArm:
     """The constants of the closed form of an arm with a spherical wrist.
 
-    All frames have z along their joint's axis and are taken with all joints at zero. Frames 4 and 6 have
-    their origins in the wrist centre. Frames 2 and 3 have the same axes, with x from axis 2 to axis 3.
+    All frames have z along their joint's axis. Their poses are those with all joints at zero. Frames 4 and 6
+    have their origins in the wrist centre. Frames 2 and 3 have the same axes, with x from axis 2 to axis 3.
 
-    `first_from_base` (4, 4) and `flange_from_wrist` (4, 4, frame 6 in the flange) turn a flange pose into the
-    pose of frame 6 in frame 1. `shoulder` (4, 4) is frame 2 in frame 1. `upper` and `fore` [m] are the
-    lengths of the two links in the plane perpendicular to axis 2. `fore_angle` [rad] is the direction of the
-    wrist centre in that plane, seen from axis 3 and counted from x; `depth` [m] is its position along axis 2.
-    `elbow_sign` is -1 if axis 3 points against axis 2. `wrist` (3, 3) is frame 4 in frame 3. `alpha` and
-    `beta` [rad] are the angles between axes 4 and 5, and 5 and 6. `bend` [rad] is the wrist's own angle of
-    joint 5 with the joint at zero.
+    Attributes:
+        first_from_base: (4, 4) converts, together with `flange_from_wrist`, a flange pose to the pose of
+            frame 6 in frame 1.
+        flange_from_wrist: (4, 4).
+        shoulder: (4, 4) frame 2 in frame 1.
+        upper: length of the first link in the plane perpendicular to axis 2 [m].
+        fore: length of the second link in this plane [m].
+        fore_angle: angle in this plane from x to the direction from axis 3 to the wrist centre [rad].
+        depth: position of the wrist centre along axis 2 [m].
+        elbow_sign: -1 if axis 3 points against axis 2, otherwise 1.
+        wrist: (3, 3) frame 4 in frame 3.
+        alpha: angle between axes 4 and 5 [rad].
+        beta: angle between axes 5 and 6 [rad].
+        bend: angle of the wrist's formulas (`wrist_angles`) at which joint 5 is at zero [rad].
     """
 
     first_from_base: Array
@@ -64,15 +71,24 @@ class WristedArm:
 class ParallelArm:
     """The constants of the closed form of an arm with three parallel axes.
 
-    All frames have z along their joint's axis and are taken with all joints at zero. Frame 6 has its origin
-    where axes 5 and 6 meet (the wrist centre). Frame 2 has x from axis 2 to axis 3.
+    All frames have z along their joint's axis. Their poses are those with all joints at zero. Frame 6 has its
+    origin where axes 5 and 6 meet (the wrist centre). Frame 2 has x from axis 2 to axis 3.
 
-    `first_from_base`, `flange_from_wrist` and `shoulder` (4, 4), `upper` [m] and `depth` [m] (of the wrist
-    centre) are defined as for a `WristedArm`. `fore` [m] is the distance from axis 3 to axis 4, and
-    `fore_angle` [rad] its direction in frame 2. `hand` (2,) [m] leads from axis 4 to the wrist centre, in the
-    plane perpendicular to axis 2. `elbow_sign` and `hand_sign` are -1 if axis 3, or axis 4, points against
-    axis 2. `wrist` (3, 3), in frame 2, is the frame of the parallel axes with x perpendicular to axis 5.
-    `alpha`, `beta` and `bend` [rad] are defined as for a `WristedArm`, with axis 2 in place of axis 4.
+    Attributes:
+        first_from_base: (4, 4), as for a `WristedArm`.
+        flange_from_wrist: (4, 4), as for a `WristedArm`.
+        shoulder: (4, 4) frame 2 in frame 1.
+        upper: distance from axis 2 to axis 3 [m].
+        fore: distance from axis 3 to axis 4 [m].
+        fore_angle: direction from axis 3 to axis 4 in frame 2 [rad].
+        hand: (2,) vector from axis 4 to the wrist centre, in the plane perpendicular to axis 2 [m].
+        depth: position of the wrist centre along axis 2 [m].
+        elbow_sign: -1 if axis 3 points against axis 2, otherwise 1.
+        hand_sign: -1 if axis 4 points against axis 2, otherwise 1.
+        wrist: (3, 3) frame of the parallel axes in frame 2, with x perpendicular to axis 5.
+        alpha: angle between axes 2 and 5 [rad].
+        beta: angle between axes 5 and 6 [rad].
+        bend: angle of the wrist's formulas (`wrist_angles`) at which joint 5 is at zero [rad].
     """
 
     first_from_base: Array
@@ -124,13 +140,16 @@ def form_of(chain: Chain) -> Form | None:
 
 
 NEARLY_PARALLEL, NEARLY_MEETING = 0.01, 0.004
-"""Largest angle of a calibrated arm's axes from parallel [rad], and largest distance from meeting [m]."""
+"""Tolerances by which a calibrated arm may differ from its nominal arm. `NEARLY_PARALLEL` is the largest
+angle [rad] between two axes that are parallel in the nominal arm. `NEARLY_MEETING` is the largest distance
+[m] of an axis from the point in which the nominal axes meet.
+"""
 
 
 @lru_cache(maxsize=256)
 def nominal_form(chain: Chain) -> Form | None:
-    """Return the closed form of the nominal arm of a calibrated chain: an arm whose axes are exactly parallel
-    or meet exactly where those of the chain do so nearly.
+    """Return the closed form of the nominal arm of a calibrated chain. Axes that are nearly parallel or
+    nearly meet in the chain are exactly parallel or exactly meet in the nominal arm.
 
     The solutions of the nominal arm are near those of the chain, and serve as starting points for iteration.
     Return None if the chain has a closed form of its own, or resembles no arm that has one.
@@ -145,7 +164,7 @@ def nominal_form(chain: Chain) -> Form | None:
         if centre is None or off > NEARLY_PARALLEL:
             continue
         aligned, through = axes.copy(), points.copy()
-        # put the axes exactly in parallel and through one point
+        # make the parallel axes exactly parallel, and let the meeting axes meet exactly in one point
         for other in parallel:
             aligned[other] = np.copysign(1.0, float(axes[1] @ axes[other])) * axes[1]
         through[meeting] = centre
@@ -173,7 +192,7 @@ def parallel_arm(chain: Chain) -> ParallelArm | None:
     alpha, beta, lean = _angle(along, axes[4]), _angle(axes[4], axes[5]), _angle(axes[0], along)
     if centre is None or min(np.sin([alpha, beta, lean])) < SMALL_ANGLE:
         return None
-    # the links between the parallel axes, perpendicular to them
+    # the vectors from axis 2 to axis 3 and from axis 3 to axis 4, perpendicular to these axes
     across = _across(points[2] - points[1], along)
     fore = _across(points[3] - points[2], along)
     upper, fore_length = float(np.linalg.norm(across)), float(np.linalg.norm(fore))
@@ -224,7 +243,7 @@ def wristed_arm(chain: Chain) -> WristedArm | None:
         return None
     if np.linalg.norm(np.cross(axes[1], axes[2])) > TOLERANCE:
         return None
-    # the point of axis 3 at the same height along axis 2 as the point on axis 2
+    # the vector from axis 2 to axis 3, perpendicular to both
     across = points[2] - points[1]
     across = across - axes[1] * (axes[1] @ across)
     upper = float(np.linalg.norm(across))
@@ -233,7 +252,7 @@ def wristed_arm(chain: Chain) -> WristedArm | None:
     second = frame_of(axes[1], across / upper, points[1])
     third = second.copy()
     third[:3, 3] += across
-    # the wrist centre in frame 3: in the plane perpendicular to axis 2, and along axis 2
+    # the wrist centre in frame 3: x and y are in the plane perpendicular to axis 2, z is along axis 2
     centre_on_third = np.linalg.inv(third) @ np.r_[centre, 1.0]
     fore = float(np.hypot(centre_on_third[0], centre_on_third[1]))
     if fore < SMALL_ANGLE:
@@ -263,7 +282,7 @@ def meeting_point(axes: Array, points: Array, tolerance: float = TOLERANCE) -> A
     """Return the point in which the axes with directions (m, 3) through `points` (m, 3) meet, or None if an
     axis misses that point by more than `tolerance` [m].
     """
-    # least squares: the sum of the projections perpendicular to the axes
+    # normal equations of least squares: their matrix is the sum of the projections perpendicular to the axes
     across = np.eye(3) - axes[:, :, None] * axes[:, None, :]
     total = across.sum(axis=0)
     if np.linalg.cond(total) > 1e9:

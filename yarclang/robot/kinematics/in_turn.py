@@ -17,8 +17,8 @@ from yarclang.robot.kinematics.wrist import TURN
 from yarclang.robot.model import Array, Chain, Limits
 
 _CLEARLY = 1e-8
-"""Least margin by which a solution must be nearer than all others to count as the nearest [squared joint
-differences].
+"""If the squared distances of the two nearest solutions from the reference differ by less than this, it is
+uncertain which of the two is the nearest [squared joint differences].
 """
 
 
@@ -34,7 +34,7 @@ def nearest_in_turn(chain: Chain, limits: Limits, base_from_flange: Array, refer
         chain: the arm, n joints.
         limits: its limits.
         base_from_flange: (N, 4, 4).
-        reference: (n,) [rad or m], to which the first solution is the nearest.
+        reference: (n,) [rad or m]; the first solution is the one nearest to it.
 
     Returns:
         (k, n) [rad or m] for the first k poses, k at most N.
@@ -51,19 +51,20 @@ def nearest_in_turn(chain: Chain, limits: Limits, base_from_flange: Array, refer
     branch = int(np.argmin(first))
     if not np.isfinite(first[branch]):
         return nothing
-    # unwrap the branch: put the first pose on the full turn nearest to the reference, and remove the jumps by
-    # full turns between poses
+    # unwrap the branch: shift its first joint position to the full turn nearest to the reference, and remove
+    # the jumps by full turns between poses
     turns = np.zeros((len(q), chain.size))
     turns[0] = np.round((nearest_turn(chain, limits, q[0, branch], reference) - q[0, branch]) / TURN)
     turns[1:] = turns[0] - np.cumsum(np.round(np.diff(q[:, branch], axis=0) / TURN), axis=0)
     along = q[:, branch] + TURN * turns
-    # compare with all other branches, each pose with the assumed solution of the pose before as reference
+    # compare with all other branches: the reference of each pose is the assumed solution of the previous pose
     clipped, costs = _costs(chain, limits, q, reaching, np.vstack([reference, along[:-1]]))
     own = costs[:, branch].copy()
     costs[:, branch] = np.inf
     is_sure = np.isfinite(own) & (own + _CLEARLY < costs.min(axis=1))
     is_sure &= (clipped[:, branch] == along).all(axis=1)
-    # a free angle is held at the first reference, not at the solution before
+    # a pose that leaves an angle free is uncertain: `closed_form` takes the angle from the first reference,
+    # not from the previous solution
     is_sure &= ~(solutions.singular & solutions.valid).any(axis=0)
     return along[: len(along) if is_sure.all() else int(np.argmin(is_sure))]
 

@@ -22,24 +22,24 @@ from yarclang.robot.kinematics.wrist import TURN
 from yarclang.robot.model import Array, Chain
 
 BRANCHES = 16
-"""The largest number of solutions that the numeric search keeps."""
+"""The largest number of solutions of a pose that the numeric search keeps."""
 
 RESTARTS = 48
 """Number of joint positions from which the numeric search starts."""
 
 POLISH = 1e-10
-"""A solution that misses by more [m or rad] is improved by iteration."""
+"""A solution that misses its pose by more than this [m or rad] is improved by iteration."""
 
 REACHED = 1e-9
 """The miss [m or rad] up to which a joint position counts as a solution."""
 
 NEARLY_REACHED = 1e-6
-"""The miss up to which a joint position counts as a solution for an arm with fewer than six joints [m or
+"""For an arm with fewer than six joints, the miss up to which a joint position counts as a solution [m or
 rad].
 
-The poses that such an arm reaches are a thin set. With a tighter limit, hardly any pose would count as
-reachable, because poses are typed with a few decimals, and axes may be parallel only up to the last digits of
-a URDF.
+Such an arm reaches only poses that satisfy one or more equations. Poses are typed with a few decimals, and
+the axes in a URDF may be parallel only up to the last digits. With a tighter limit, hardly any typed pose
+would count as reachable.
 """
 
 NEARLY_REACHES = 0.05
@@ -48,8 +48,8 @@ and rad].
 """
 
 REGULAR = 0.03
-"""Smallest singular value of a Jacobian [m and rad] above which a solution only moves a little when the arm
-is calibrated.
+"""If the smallest singular value of the Jacobian [m and rad] is above this, the solutions of the nominal and
+of the calibrated arm differ only a little.
 """
 
 STRETCHED = 1.0
@@ -68,7 +68,8 @@ def follow(chain: Chain, base_from_flange: Array, seeds: Array) -> tuple[Array, 
 
     With a closed form, the solution is the branch and full turn with the least sum of squared joint
     differences. If the wrist is straight (or the wrist centre is on axis 1), the seed's q4 (or q1) is kept.
-    Without a closed form, damped least squares start from the seed and stay on its full turn.
+    Without a closed form, damped least squares start from the seed, and the solution stays on the seed's full
+    turn.
 
     Args:
         chain: the arm, n joints.
@@ -108,18 +109,18 @@ def branches(
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Find all solutions of each pose, without regard to limits.
 
-    - With a closed form, the solutions are its eight branches, always in the same order: along a path, one
+    - With a closed form, the solutions are its eight branches. Their order never changes: along a path, one
       index is one configuration as long as no singularity is passed.
     - The first eight solutions of a calibrated arm are near those of its nominal arm.
     - Any other arm of six turning joints has its isolated solutions, at most 16, in the order of their joint
       values.
-    - For all other arms, and for poses at which elimination finds nothing, the solutions are those that a
-      search from 48 fixed joint positions finds: distinct, at most 16, in the order found.
+    - For all other arms, and for poses at which elimination finds nothing, the solutions come from a search
+      that starts from 48 fixed joint positions: at most 16 distinct ones, in the order found.
 
     Args:
         chain: the arm, n joints.
         base_from_flange: (N, 4, 4).
-        hold: (n,) [rad], the joint positions that a singular q4 or q1 takes; zeros if None.
+        hold: (n,) [rad], the values for q4 and q1 if a singularity leaves them free; zeros if None.
 
     Returns:
         q (N, B, n) with revolute joints in (-pi, pi] [rad], and a mask (N, B) of the entries that reach their
@@ -201,7 +202,7 @@ def _found_by_search(chain: Chain, base_from_flange: Array) -> tuple[Array, NDAr
     q = wrapped(chain, fitted.q).reshape(count, RESTARTS, size)
     reached = (fitted.total < reached_within(chain)).reshape(count, RESTARTS)
     first = reached & ~_repeated(chain, q, reached)
-    # the distinct solutions in the order found, then the rest as fillers
+    # the distinct solutions come first, in the order found; the rest fills the array
     order = np.argsort(~first, axis=1, kind="stable")[:, :BRANCHES]
     return np.take_along_axis(q, order[:, :, None], axis=1), np.take_along_axis(first, order, axis=1)
 
@@ -221,7 +222,7 @@ def extent(chain: Chain) -> float:
     """Return the size of the arm: the sum of the distances from joint to joint and to the flange [m]."""
     links = links_of(chain)
     points = np.vstack([links.frames[:, :3, 3], chain.base_from_flange[None, :3, 3]])
-    # a prismatic joint's frame has an arbitrary origin: use its neighbour's
+    # the origin of a prismatic joint's frame is arbitrary: use that of the next frame
     for joint in range(chain.size - 1, -1, -1):
         if not links.turn[joint]:
             points[joint] = points[joint + 1]
@@ -236,7 +237,7 @@ def wrapped(chain: Chain, q: Array) -> Array:
 
 def _nearest_branch(arm: Form, poses: Array, seed: Array) -> Array:
     """Return, for each pose, the solution (6, N) nearest to `seed` (6, N), of all branches and full turns.
-    For a pose out of reach, it is the joint position at which the arm stretches towards the pose.
+    For a pose out of reach, return the joint position at which the arm stretches towards the pose.
     """
     q, sure = nearest_form(arm, poses, seed)
     if not sure.all():
@@ -271,7 +272,7 @@ _PRIMES = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37)
 
 
 def _radical_inverse(index: NDArray[np.int_], base: int) -> Array:
-    """Return the radical inverse of `index` (N,) as (N,) in [0, 1): the digits of the index to `base`,
+    """Return the radical inverse of `index` (N,) as (N,) in [0, 1): the digits of the index in base `base`,
     mirrored at the radix point.
     """
     result, scale, left = np.zeros(len(index)), 1.0 / base, index.copy()

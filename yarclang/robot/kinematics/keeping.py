@@ -1,10 +1,10 @@
 """Follow a path within joint limits with a redundant arm: a joint at its limit stays there, and the other
 joints compensate.
 
-A joint path is first computed step by step along the path, each step with the least joint motion; each
-joint's motion counts as a share of its range. This joint path has a corner wherever a joint arrives at its
-limit or leaves it. The joint path is therefore smoothed and put back onto the poses, alternately, so that a
-joint slows down before its limit.
+A joint path is first computed step by step along the path, each step with the least joint motion. The motion
+of each joint is measured relative to the joint's range. This joint path has a corner wherever a joint arrives
+at its limit or leaves it. The joint path is therefore smoothed and put back onto the poses, alternately, so
+that a joint slows down before its limit.
 """
 
 from __future__ import annotations
@@ -20,26 +20,28 @@ from yarclang.robot.kinematics.strands import Strand
 from yarclang.robot.model import Array, Chain, Limits
 
 PLACES = 129
-"""Number of places along the path."""
+"""Number of places along the path at which joint positions are computed."""
 
 FARTHEST, SHARPEST = 0.15, 0.02
-"""Largest motion of a joint between two places, and largest change of that motion [rad or m]."""
+"""Largest motion of a joint from one place to the next, and largest change of this motion from one place to
+the next [rad or m].
+"""
 
 ROOM = 2e-3
-"""Distance that joints keep from their limits [rad or m], unless the start is nearer to them. A curve through
-the places may overshoot a little.
+"""Distance that joints keep from their limits [rad or m], unless the start is nearer to them. It leaves room
+for the overshoot of a curve through the joint positions at the places.
 """
 
 ROUNDS = 12
 """The largest number of smoothing rounds."""
 
 PASSES = 30
-"""Number of smoothing passes in one round. In each pass, every place moves halfway to the middle of its
-neighbours.
+"""Number of smoothing passes in one round. In each pass, the joint position at every place moves halfway to
+the mean of its two neighbours.
 """
 
 STEPS = 6
-"""Steps that put each place back onto its pose."""
+"""Number of iteration steps that put the joint positions back onto their poses."""
 
 
 def kept_within(
@@ -89,7 +91,8 @@ class _Kept:
         for place in range(1, PLACES):
             go_on()
             before = ways[rows, place - 1]
-            # the last place serves as reference: the step to the next pose is then the least one
+            # with the previous joint positions as reference, the step to the next pose is the shortest
+            # possible
             pull = Pull(
                 self.chain, self.lower[rows], self.upper[rows], poses[rows, place], before, self.scale
             )
@@ -101,8 +104,8 @@ class _Kept:
         return {row: ways[row] for row in rows.tolist()}
 
     def smoothed(self, row: int, poses: Array, way: Array) -> Array | None:
-        """Return the joint path `way` (PLACES, n) with its corners smoothed, still through the poses (PLACES,
-        4, 4), or None if some corners remain.
+        """Return the joint path `way` (PLACES, n) after its corners were smoothed. It passes through the
+        poses (PLACES, 4, 4). Return None if corners remain.
         """
         for _ in range(ROUNDS):
             if _is_smooth(way):
@@ -110,7 +113,7 @@ class _Kept:
             go_on()
             target = way.copy()
             for _ in range(PASSES):
-                # a binomial filter (1, 2, 1) / 4 along the path; the ends stay
+                # a binomial filter (1, 2, 1) / 4 along the path; start and end stay fixed
                 target[1:-1] += 0.25 * (target[:-2] - 2.0 * target[1:-1] + target[2:])
             pull = Pull(self.chain, self.lower[row], self.upper[row], poses[1:], target[1:], self.scale)
             back, miss = pull.put_back(target[1:], STEPS)

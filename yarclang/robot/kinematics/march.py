@@ -16,13 +16,14 @@ from yarclang.robot.kinematics.strands import FINEST, NEAR, End, Strand
 from yarclang.robot.model import Array, Chain, Limits
 
 LEAP = 8
-"""Samples of one leap: all are predicted from its start and solved together."""
+"""Number of samples of one leap. All samples are predicted from the start of the leap and solved together."""
 
 ROUNDS = 25
 """The largest number of steps of damped least squares for a leap."""
 
 LEAPS = 4000
-"""The largest number of leaps along a path with few bends."""
+"""The largest number of leaps along a path. A path with more bends than this may take one leap for each bend.
+"""
 
 _OVER = 4
 """The largest number of bends of the path between two samples of a leap."""
@@ -33,20 +34,23 @@ branch.
 """
 
 BEND = 0.04
-"""Largest difference between two consecutive moves [rad or m]. A larger difference suggests two branches that
-come near each other, instead of one curve.
+"""Largest change of the joint motion from one sample to the next [rad or m]. A larger change suggests that
+the samples belong to two branches that come near each other.
 """
 
 AWAY = 1.5
-"""Speed at which joints near their limits return towards the middle, as a share of the motion of the
-others.
+"""Speed at which a joint at its limit is moved towards the middle of its range, relative to the speed of the
+fastest joint along the path.
 """
 
 STEEP = 5
-"""Power with which that speed grows from the middle of the range to its ends."""
+"""Exponent with which a joint's speed towards the middle of its range grows with its distance from the
+middle.
+"""
 
 DAMPING = 1e-7
-"""Damping of the prediction. At a singularity, it keeps a joint at rest that can't contribute to the motion.
+"""Damping of the prediction. At a singularity, damping keeps those joints at rest that can't contribute to
+the motion.
 """
 
 
@@ -60,8 +64,8 @@ def march(
     """Follow one path from `q_start` (n,), which reaches pose_at(0).
 
     Each leap predicts the joint positions of its samples along the least joint velocities, and improves them
-    by damped least squares. It keeps the samples before the first one that is too far from its prediction or
-    from the sample before. A leap that keeps no sample is repeated with a shorter length.
+    by damped least squares. Of its samples, the leap keeps those before the first one that is too far from
+    its prediction or from the previous sample. A leap that keeps no sample is repeated with a shorter length.
 
     Args:
         chain: the arm, n joints.
@@ -143,6 +147,7 @@ def _steps(
         solution, drift = found.q, np.abs(found.q - guess).max(axis=1)
         reached = found.total < reached_within(chain)
         moves = np.diff(solution, axis=0, prepend=q[None])
+        # Second differences of the joint positions along the leap.
         bend = np.append(drift[:1], np.abs(np.diff(moves, axis=0)).max(axis=1))
         good = reached & (drift < DRIFT) & (np.abs(moves).max(axis=1) < NEAR) & (bend < BEND)
         followed = LEAP if good.all() else int(np.argmin(good))
@@ -150,6 +155,8 @@ def _steps(
             places.append(s[:followed])
             joints.append(solution[:followed])
             done_to, q = float(s[followed - 1]), solution[followed - 1]
+            # Double the leap if all its samples succeeded. Otherwise try half as much again as the part that
+            # succeeded.
             length *= 2.0 if followed == LEAP else 1.5 * followed / LEAP
             continue
         if length <= FINEST * LEAP:
@@ -187,7 +194,7 @@ def _clear_step(chain: Chain, limits: Limits, jacobian: Array, twist: Array, q: 
     """Return the least joint steps (n, K) that make the flange twists (6, K), plus null-space motion away
     from the limits.
 
-    Each joint's motion counts as a share of its range.
+    The motion of each joint is measured relative to the joint's range.
 
     Args:
         chain: the arm, n joints.
@@ -204,11 +211,11 @@ def _clear_step(chain: Chain, limits: Limits, jacobian: Array, twist: Array, q: 
     bounded = np.isfinite(limits.lower) & np.isfinite(limits.upper)
     lower, upper = (np.where(bounded, one, q) for one in (limits.lower, limits.upper))
     middle = 0.5 * (lower + upper)
-    # limit the motion back: it doesn't grow beyond a limit
+    # clip: beyond a limit, the motion back is as fast as at the limit
     place = np.clip((q - middle) / scale, -1.0, 1.0)
     back = -(np.sign(place) * np.abs(place) ** STEEP)
     # project onto the null space: (I - J⁺ J) back
     back -= inverse @ (scaled @ back)
-    # scale this motion by the motion of the joints along the path
+    # scale the motion back by the largest joint motion along the path
     step += AWAY * np.abs(step).max(axis=0) * back[:, None]
     return step * scale[:, None]

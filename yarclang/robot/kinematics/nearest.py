@@ -1,4 +1,4 @@
-"""Find the solutions of one pose within limits, nearest first, or the reason why there is none."""
+"""Find the solutions of one pose within limits, the nearest first. If there is none, find the reason."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ from yarclang.robot.model import Array, Chain, Limits
 from yarclang.transforms import sealed
 
 SAME = APART
-"""Solutions that differ by less than this in every joint [rad or m], except for full turns, count as the
-same.
+"""Solutions that differ by less than this in every joint [rad or m], apart from full turns, count as one
+solution.
 """
 
 STANDS = 1e-7
@@ -41,7 +41,9 @@ FREE = 1e-5
 """Smallest singular value of a Jacobian [m and rad] below which a pose may leave a joint free."""
 
 ORIENTATION = 30.0
-"""Weight of 1 rad against 1 m in the search for the nearest miss with the orientation held."""
+"""Weight of 1 rad relative to 1 m in the search for the nearest miss. It is large, so that the orientation is
+kept.
+"""
 
 
 @frozen(eq=False)
@@ -59,14 +61,17 @@ class Solutions:
 class Unreachable:
     """The reason why no joint position reaches a pose.
 
-    kind "reach": the frame misses the pose by at least `miss` [m] in the pose's orientation; if the arm can't
-    reach the orientation either, `miss_angle` [rad] remains. Both are valid only if `is_measured`.
-
-    kind "limits": in the solution that exceeds limits least, joint number `joint` (from 0) exceeds its limit
-    by `excess` [rad or m], positive above the upper limit, negative below the lower limit.
-
-    `q` (n,) [rad or m] is the joint position of the nearest miss, or of that solution; the reference if the
-    miss isn't measured.
+    Attributes:
+        kind: "reach" if the pose is out of reach; "limits" if all its solutions exceed joint limits.
+        q: (n,) joint position of the nearest miss for "reach" [rad or m], or the reference if the miss isn't
+            measured; for "limits", the solution that exceeds limits least.
+        miss: for "reach", the smallest distance of the frame's origin from that of the pose, with the frame
+            turned as the pose is [m].
+        miss_angle: for "reach", the remaining angle if the arm can't reach the orientation either [rad].
+        joint: for "limits", the number of the joint that exceeds its limit, from 0.
+        excess: for "limits", by how much it exceeds the limit [rad or m]: positive above the upper limit,
+            negative below the lower limit.
+        is_measured: True if `miss` and `miss_angle` are valid.
     """
 
     kind: Literal["reach", "limits"]
@@ -160,6 +165,7 @@ def full_turns(chain: Chain, limits: Limits, q: Array) -> Array:
         if chain.is_prismatic[joint]:
             choices.append([float(value)])
             continue
+        # Without limits, at most eight full turns to either side.
         low = max(limits.lower[joint], value - 8.0 * TURN)
         high = min(limits.upper[joint], value + 8.0 * TURN)
         first = math.ceil((low - value - EDGE) / TURN)
@@ -201,9 +207,9 @@ def _in_closed_form(chain: Chain, limits: Limits, pose: Array, reference: Array)
     if straight.any() and isinstance(arm, WristedArm):
         lifted = nearest_turn(chain, limits, q, reference)
         axes = walk(chain, np.ascontiguousarray(q.T), np.eye(4))[1]
-        # q4 and q6 turn about the same line, in the same sense or in opposite ones
+        # if the wrist is straight, axes 4 and 6 are the same line, in the same or in opposite directions
         sense = np.sign(np.einsum("kn,kn->n", axes[3], axes[5]))
-        # move the excess of joint 6 to joint 4: the pose stays the same
+        # move the excess of joint 6 to joint 4, which doesn't change the pose
         excess = np.where(straight, beyond(limits, lifted)[:, 5], 0.0)
         moved = lifted.copy()
         moved[:, 5] -= excess
@@ -235,7 +241,7 @@ def _searched(chain: Chain, limits: Limits, pose: Array, reference: Array, is_on
     q = np.vstack(
         [along, free[0][reached[0]], from_reference.q[from_reference.total < reached_within(chain)]]
     )
-    # a redundant arm that misses the pose even without limits misses it within them, too
+    # if a redundant arm misses the pose even without limits, it also misses the pose within limits
     if chain.size > 6 and not len(q):
         return q
     q = np.vstack([q, _found_within(chain, limits, pose, start)])
@@ -262,8 +268,8 @@ def _found_within(chain: Chain, limits: Limits, pose: Array, start: Array) -> Ar
 
 
 def _is_loose(chain: Chain, reference: Array, q: Array) -> bool:
-    """Return True if the pose leaves a second joint free in addition to the spare one, at the joint position
-    of `q` (m, 7) that is nearest to the reference.
+    """Return True if the pose leaves a second joint free, in addition to the spare joint (the one joint more
+    than the pose needs). This is tested at the joint position of `q` (m, 7) that is nearest to the reference.
 
     Return False if that joint position is the reference itself.
     """
@@ -282,7 +288,7 @@ def _isolated(chain: Chain, limits: Limits, pose: Array, reference: Array, start
     solution is within limits and iteration from `start` arrives at the pose.
     """
     found, reached = branches(chain, pose[None])
-    # the start itself, or a solution near it, may lie on a continuum
+    # iterate from the start, too: the start, or a solution near it, may belong to a continuum of solutions
     from_start, miss = polished(chain, pose[None], start[None])
     q = np.vstack([found[0][reached[0]], from_start[miss < reached_within(chain)]])
     if not len(q):

@@ -1,9 +1,9 @@
 """Find the solutions of one pose nearest to a reference, for an arm with one spare joint: one joint more than
 the pose needs.
 
-The spare joint is sampled over its range; the closed form gives every branch at each sample. Near each local
-minimum of a branch's distance from the reference, more samples are taken: first between the neighbouring
-samples, then around the vertex of the parabola through the three nearest samples.
+The spare joint is sampled over its range; the closed form gives every branch at each sample. The distance of
+each branch from the reference has local minima. Near each of them, more samples are taken: first between the
+neighbouring samples, then around the vertex of the parabola through the three nearest samples.
 """
 
 from __future__ import annotations
@@ -25,29 +25,34 @@ KEPT = 6
 """Number of local minima that are refined, the nearest first."""
 
 CLOSER = 21
-"""Refined samples around each of these minima; `VERTEX` adds some around the parabola's vertex."""
+"""Number of refined samples around each of these minima."""
 
 VERTEX: Array = np.array([-0.02, 0.0, 0.02])
-"""Samples around the vertex, as shares of the distance that the refined samples cover."""
+"""Further samples around the parabola's vertex: their distances from it, relative to the distance between a
+minimum and its neighbouring samples.
+"""
 
 SLID = 1
-"""Number of the best results that are then slid along the self-motion."""
+"""Number of results, the best ones first, that are finally moved along the self-motion towards the reference.
+"""
 
 SLIDES, LARGEST, SETTLED = 6, 0.2, 1e-4
-"""Number of steps of sliding along the self-motion, the largest step, and the step below which sliding ends
-[rad or m].
+"""Limits of the motion of a result towards the reference: the largest number of steps, the largest step, and
+the step below which the motion ends [rad or m].
 """
 
 EXACT, LESS = 1e-9, 1e-9
-"""`EXACT` is the miss up to which a joint position counts as on the pose [m or rad]. `LESS` is the gain from
-which a joint position counts as nearer to the reference [squared joint differences].
+"""`EXACT` [m or rad] is the largest miss of a joint position that counts as reaching the pose. `LESS`
+[squared joint differences] is the least gain with which a joint position counts as nearer to the reference.
 """
 
 STEPS = 3
 """Number of Newton steps from the reference towards the pose."""
 
 NEARLY = 0.1
-"""A sample that exceeds limits by less than this [rad or m] may have a neighbour within limits."""
+"""A sample that exceeds limits by less than this [rad or m] is refined like one within limits: a position
+beside it may be within limits.
+"""
 
 DAMPED = 1e-6
 """Damping of the Newton steps."""
@@ -64,9 +69,9 @@ def nearest_along(
     """Return joint positions (m, 7) within limits that reach a pose. Each one is locally nearest to the
     reference along its self-motion, the joint motion that leaves the flange at rest.
 
-    If some of them are clear of limits, only those are returned. To be clear means to keep a distance from
-    the limits, which is reduced so that the reference is clear too. The result is empty if the samples show
-    no solution within limits.
+    If any of these joint positions are clear of the limits, only the clear ones are returned. A clear joint
+    position keeps a distance from the limits; this distance is reduced as far as needed to make the reference
+    clear, too. The result is empty if the samples show no solution within limits.
 
     Args:
         chain: the arm.
@@ -89,7 +94,7 @@ def nearest_along(
         return np.empty((0, chain.size))
     branch, place = branch[order], place[order]
     best, cost = q[branch, place], costs[branch, place]
-    # refine up to the neighbouring samples
+    # take finer samples around each minimum, as far as its neighbouring samples
     gaps = np.diff(values, prepend=values[0], append=values[-1])
     centre, half = values[place], np.maximum(gaps[place], gaps[place + 1])
     rows = np.arange(len(centre))
@@ -139,7 +144,8 @@ class _Seen:
         (...), and by how much they exceed limits (...).
 
         The cost is the squared difference from the reference. Positions that aren't clear of limits cost
-        more, positions beyond limits more still, and positions that miss the pose cost infinity.
+        `UNCLEAR` more. Positions that exceed limits cost at least `OUTSIDE`, and positions that miss the pose
+        cost infinity.
         """
         q = nearest_turn(self.chain, self.limits, q, self.reference)
         away = q - self.reference
@@ -209,11 +215,11 @@ def _vertex(places: Array, costs: Array, lowest: NDArray[np.int_]) -> Array:
 
     Args:
         places: (K, P) positions of the spare joint, sorted.
-        costs: (K, P) the costs there.
+        costs: (K, P) the costs at these positions.
         lowest: (K,) index of each row's lowest cost.
 
     Returns:
-        The position of each vertex if it is between the neighbours, otherwise the position of the lowest
+        The position of each vertex that is between the two neighbours; otherwise the position of the lowest
         cost.
     """
     rows = np.arange(len(places))
@@ -232,7 +238,7 @@ def _vertex(places: Array, costs: Array, lowest: NDArray[np.int_]) -> Array:
 def _range(chain: Chain, limits: Limits, joint: int, near: float) -> tuple[float, float]:
     """Return the interval in which the spare joint is sampled [rad or m].
 
-    It is the joint's range; for a turning joint, at most one full turn about `near`.
+    The interval is the joint's range; for a turning joint, at most one full turn about `near`.
     """
     low, high = float(limits.lower[joint]), float(limits.upper[joint])
     half = math.pi
@@ -249,7 +255,7 @@ def _range(chain: Chain, limits: Limits, joint: int, near: float) -> tuple[float
 
 
 def _lowest(costs: Array) -> tuple[NDArray[np.int_], NDArray[np.int_]]:
-    """Return the indices of the local minima of costs (B, N): their branches, and their positions of the
+    """Return the local minima of costs (B, N): the branch of each minimum, and the index of its sample of the
     spare joint.
     """
     padded = np.pad(costs, ((0, 0), (1, 1)), constant_values=math.inf)

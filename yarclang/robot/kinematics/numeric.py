@@ -1,10 +1,10 @@
 """Solve inverse kinematics by damped least squares, for any serial arm and many poses at once.
 
 The method is Levenberg-Marquardt with damping in proportion to the squared error (Sugihara,
-Solvability-Unconcerned Inverse Kinematics by the Levenberg-Marquardt Method, IEEE T-RO 27(5), 2011). It
-converges quadratically if the pose can be reached, and to the nearest miss if it can't. Every pose has its
-own damping factor, and a step that increases the error is rejected. The last index of each array counts the
-poses.
+Solvability-Unconcerned Inverse Kinematics by the Levenberg-Marquardt Method, IEEE T-RO 27(5), 2011). If the
+pose can be reached, the method converges quadratically; otherwise it converges to the nearest miss. Every
+pose has its own damping factor, and a step that increases the error is rejected. The last index of each array
+counts the poses.
 """
 
 from __future__ import annotations
@@ -22,17 +22,17 @@ STEP = 0.8
 """The largest change of a joint in one step [rad or m]."""
 
 EXACT = 2e-12
-"""The miss at which a solution counts as exact, and its iteration ends [m and rad]."""
+"""The miss [m and rad] below which a solution counts as exact, so that its iteration ends."""
 
 FLOOR = 1e-13
-"""The least damping. At a singularity, it keeps joints at rest that have no effect."""
+"""The least damping. At a singularity, damping keeps those joints at rest that have no effect."""
 
 FEW = 128
 """Largest number of samples that LAPACK solves one by one; more samples are solved by whole-array operations.
 """
 
 BLOCK = 2048
-"""Samples that are iterated together."""
+"""Number of samples that are iterated together."""
 
 
 @frozen(eq=False)
@@ -68,7 +68,7 @@ def fit(
         base_from_flange: (N, 4, 4).
         seeds: (N, n) [rad or m].
         lower: (n,) lower limits to which each step is clipped [rad or m]; None for no clipping.
-        upper: (n,) upper limits, likewise.
+        upper: (n,) upper limits to which each step is clipped [rad or m]; None for no clipping.
         rounds: the largest number of steps.
         angle_weight: weight of 1 rad against 1 m. With a large weight, the orientation of a pose that is out
             of reach is kept, and only the position misses.
@@ -93,7 +93,8 @@ def pose_error(columns: Array, target: Array) -> Array:
     """Return the twists (6, N) from frames to their targets: translation [m] above rotation [rad], in the
     axes of {B}.
 
-    The rotation is the rotation vector. After exactly half a turn its direction is undefined; x is used.
+    The rotation is the rotation vector. For a turn of exactly half a turn, the rotation axis is uncertain; x
+    is used.
 
     Args:
         columns: the frames' columns (4, 3, N).
@@ -111,7 +112,7 @@ def pose_error(columns: Array, target: Array) -> Array:
         )
     cosine = 0.5 * ((columns[:3] * target[:3]).sum(axis=(0, 1)) - 1.0)
     sine = np.sqrt((turn * turn).sum(axis=0))
-    # close to the target use sin(angle) instead of the angle: the iteration converges all the same
+    # close to the target use sin(angle) instead of the angle: the iteration still converges
     large = cosine < 0.999
     if large.any():
         stretch = np.arctan2(sine, cosine) / np.where(sine > 1e-9, sine, 1.0)

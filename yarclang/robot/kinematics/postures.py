@@ -2,8 +2,9 @@
 
 The first and the last joint need no table. A pose gives the line of the last joint's axis. The position of
 this line relative to the first axis doesn't depend on the first joint, and the last joint only turns about
-the line. The table therefore varies only the joints between, and records for each row the last axis as seen
-from the first axis. The rows that come nearest to the pose then determine the first and the last joint.
+the line. The table therefore varies only the joints between, and records in each row the position of the last
+axis relative to the first axis. The rows that come nearest to the pose then determine the first and the last
+joint.
 """
 
 from __future__ import annotations
@@ -20,10 +21,10 @@ from yarclang.robot.model import Array, Chain, Limits
 from yarclang.transforms import sealed
 
 ROWS = 8192
-"""Joint positions in a table."""
+"""Number of joint positions in a table."""
 
 SEEDS = 48
-"""Joint positions from which the search for one pose starts."""
+"""Number of joint positions from which the search for one pose starts."""
 
 NEAREST = 192
 """Number of rows nearest to a pose that are considered. Of these rows, those nearest to the reference are
@@ -31,23 +32,32 @@ used.
 """
 
 LONG = 3.0
-"""A sliding joint is covered up to this distance to either side [sizes of the arm]."""
+"""The table covers sliding joints up to this distance to either side [multiples of the arm's size]."""
 
 BEYOND = 10.0
-"""Cost of exceeding limits at the first or the last joint [squared joint differences, per rad or m]."""
+"""Cost of a joint position whose first or last joint exceeds its limit, for each rad or m of excess [squared
+joint differences].
+"""
 
 
 @frozen(eq=False)
 class Table:
-    """A table of joint positions `q` (ROWS, n) [rad or m] with the first and the last joint at zero, and of
-    the last joint's axis at each of them.
+    """A table of joint positions with the first and the last joint at zero, and of the last joint's axis at
+    each of them. Lengths are in units of `unit`.
 
-    `places` (ROWS, 5) are the coordinates of a point of the last axis and of its direction that don't depend
-    on the first joint, lengths in units of `unit` [m]. `sizes` (ROWS,) are the squared norms of these rows.
-    `bearings` (ROWS,) is the one coordinate of the point that the first joint changes [rad or m]. `across`
-    (ROWS, 3) is a direction perpendicular to the last axis. `axis`, `point` and `side` (3,) are the last
-    axis, a point of it, and that direction, in the flange. `turns` is True if the first joint turns, `first`
-    (4, 4) is its frame in {B}.
+    Attributes:
+        q: (ROWS, n) joint positions [rad or m].
+        places: (ROWS, 5) coordinates of the last axis (of a point on it, and of its direction) that don't
+            depend on the first joint.
+        sizes: (ROWS,) squared norms of the rows of `places`.
+        bearings: (ROWS,) the one coordinate of the point that the first joint changes [rad or m].
+        across: (ROWS, 3) a direction perpendicular to the last axis.
+        axis: (3,) direction of the last axis in {FLANGE}.
+        point: (3,) a point on the last axis in {FLANGE}.
+        side: (3,) the direction `across` in {FLANGE}.
+        first: (4, 4) the first joint's frame in {B}.
+        turns: True if the first joint turns, False if it slides.
+        unit: unit of lengths [m].
     """
 
     q: Array
@@ -79,7 +89,7 @@ def seeds_near(
         chain: an arm with more than six joints.
         limits: its limits.
         lower: (n,) lower limits of the result [rad or m].
-        upper: (n,) upper limits of the result, likewise.
+        upper: (n,) upper limits of the result [rad or m].
         base_from_flange: (4, 4).
         reference: (n,) [rad or m].
         count: number of joint positions, at most NEAREST + 1.
@@ -141,7 +151,7 @@ def near_pose(table: Table, lower: Array, upper: Array, base_from_flange: Array,
     Args:
         table: the arm's table.
         lower: (n,) the lower limits [rad or m].
-        upper: (n,) the upper limits, likewise.
+        upper: (n,) the upper limits [rad or m].
         base_from_flange: (4, 4).
         reference: (n,) [rad or m].
 
@@ -151,17 +161,17 @@ def near_pose(table: Table, lower: Array, upper: Array, base_from_flange: Array,
     wanted, bearing = _coordinates(
         base_from_flange[None], table.first, table.turns, table.axis, table.point, table.unit
     )
-    # squared distances, except for a constant
+    # squared distances of the rows from the pose, except for a constant that all rows share
     apart = table.sizes - table.places @ (2.0 * wanted[0])
     rows = np.argpartition(apart, NEAREST)[:NEAREST]
     q = table.q[rows].copy()
-    # the first joint brings the row's bearing to the pose's
+    # the first joint turns or slides from the row's bearing to the pose's bearing
     q[:, 0] = bearing[0] - table.bearings[rows]
     across = table.across[rows]
     if table.turns:
         across = _about(table.first[:3, 2], across, q[:, 0])
     axis, side = base_from_flange[:3, :3] @ table.axis, base_from_flange[:3, :3] @ table.side
-    # the turn about the last axis that brings the row's direction to the pose's
+    # the turn about the last axis that brings the direction `across` of each row to that of the pose
     q[:, -1] = -np.arctan2(across @ np.cross(axis, side), across @ side)
     turning = [0, -1] if table.turns else [-1]
     q[:, turning] += 2.0 * math.pi * np.round((reference[turning] - q[:, turning]) / (2.0 * math.pi))
@@ -189,7 +199,8 @@ def _coordinates(
     poses: Array, first: Array, turns: bool, axis: Array, point: Array, unit: float
 ) -> tuple[Array, Array]:
     """Return the coordinates of the last joint's axis, divided into those that don't depend on the first
-    joint and the one that does: the bearing about the first axis, or the position along it.
+    joint and the one that does. The latter is the bearing about the first axis or, if the first joint slides,
+    the position along this axis.
 
     Args:
         poses: flange poses (N, 4, 4).
@@ -202,6 +213,7 @@ def _coordinates(
     Returns:
         The independent coordinates (N, 5), and the dependent coordinate (N,) [rad or m].
     """
+    # Point and direction of the last axis in the frame of the first joint.
     place = (poses[:, :3, :3] @ point + poses[:, :3, 3] - first[:3, 3]) @ first[:3, :3]
     way = (poses[:, :3, :3] @ axis) @ first[:3, :3]
     # a sliding first joint changes only the coordinate along its axis

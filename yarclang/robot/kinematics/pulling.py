@@ -1,7 +1,7 @@
 """Find the solutions of one pose nearest to a reference, for any redundant arm.
 
-Many joint positions move together towards the pose and, through their null spaces, towards the reference.
-The null-space motion is called self-motion: it leaves the flange at rest. Each step leads to the point of the
+Many joint positions move together towards the pose and, through their null spaces, towards the reference. The
+null-space motion is called self-motion: it leaves the flange at rest. Each step moves to the point of the
 linearised self-motion that is nearest to the reference. The length of a step along the self-motion follows
 from the curvature that the last two steps show (Barzilai and Borwein, IMA Journal of Numerical Analysis 8,
 1988). A joint that would exceed its limit stays there, and the other joints compensate.
@@ -43,30 +43,30 @@ HOLDS = 3
 """Largest number of times in one step that joints at limits are held and the step is computed again."""
 
 SHORTEST, LONGEST = 0.05, 2.0
-"""The shortest and the longest step along the self-motion, as a share of the step that would be right on a
-straight self-motion.
+"""Bounds on the length of a step along the self-motion, relative to the step that would be right if the
+self-motion were a straight line.
 """
 
 HOPE = 2.0
-"""Safety factor on the gain towards the reference that a parabola predicts."""
+"""Safety factor on the predicted decrease of the squared distance from the reference."""
 
 LESS = 1e-4
 """The iteration ends if no joint position can gain more than this [squared joint differences]."""
 
 ALONE, FIRST = 0.7, 6
-"""`ALONE` is the miss of the reference up to which it is first tried alone [m and rad together]; `FIRST` is
-the number of steps of this trial.
+"""Limits for a first trial that starts only from the reference: it is made if only the nearest solution is
+needed, and if the reference misses the pose by less than `ALONE` [m and rad together]. It has `FIRST` steps.
 """
 
 ROUGH = 1.0
-"""Largest gain that is assumed for a seed: its solution may be nearer to the reference by this much [joint
-difference].
+"""Assumed upper bound on the distance that a seed gains towards the reference [joint difference]. Seeds that
+would stay farther from the reference than the best solution even with this gain are left out.
 """
 
 CLOSE, TOGETHER, MANY = 2e-4, 0.02, 64
-"""A joint position that misses by less than `CLOSE` [m and rad together] will arrive. Two joint positions
-that differ by less than `TOGETHER` in every joint [rad or m] will arrive at the same place; this is only
-checked if there are at most `MANY`.
+"""A joint position that misses by less than `CLOSE` [m and rad together] is expected to arrive at the pose.
+Two joint positions that differ by less than `TOGETHER` in every joint [rad or m] are expected to arrive at
+the same place. Joint positions are compared only if there are at most `MANY` of them.
 """
 
 EARLY, KEPT = 4, 16
@@ -75,9 +75,9 @@ are kept.
 """
 
 LAST_SEEDS, LAST_STEPS, ENOUGH = 193, 30, 24
-"""Limits of the last search, which is for the pose only and follows if no joint position has arrived. It has
-`LAST_SEEDS` seeds from the table and as many others, makes at most `LAST_STEPS` steps, and ends when `ENOUGH`
-joint positions have reached the pose.
+"""Limits of the last search. It follows if no joint position has arrived, and ignores the reference. It uses
+`LAST_SEEDS` seeds from the table and equally many others, makes at most `LAST_STEPS` steps, and ends when
+`ENOUGH` joint positions have reached the pose.
 """
 
 AFTER, AWAY = 12, 0.1
@@ -93,7 +93,7 @@ the pose.
 """
 
 LOST: Array = np.array([math.inf] * 8 + [0.1] * 6 + [1e-3] * 40)
-"""The miss above which a joint position is given up, for each step number [m and rad together]."""
+"""For each step, by its number: the miss above which a joint position is given up [m and rad together]."""
 
 
 def nearest_pulled(
@@ -102,7 +102,8 @@ def nearest_pulled(
     """Return joint positions (m, n) [rad or m] within limits that reach a pose, found from many seeds and
     moved towards a reference.
 
-    They keep a distance from the limits if any such joint positions are found.
+    Joint positions that keep a distance from the limits are preferred. Joint positions nearer to the limits
+    are returned only if no others are found.
 
     Args:
         chain: an arm with more than six joints.
@@ -116,7 +117,7 @@ def nearest_pulled(
         seeds = seeds_near(chain, limits, lower, upper, base_from_flange, reference)
         solutions = np.empty((0, chain.size))
         if is_only:
-            # if the reference is near the pose, it arrives in a few steps without other seeds
+            # if the reference is near the pose, a few steps from the reference alone are enough
             is_near = pull.misses(seeds[:1])[0] < ALONE
             first = pull.arriving(seeds[:1], is_only=True, steps=FIRST) if is_near else solutions
             bound = np.square(first - reference).sum(axis=1).min(initial=np.inf)
@@ -260,7 +261,8 @@ class Pull:
             if arrived_now.any():
                 arrived.append(q[arrived_now])
                 nearest = min(nearest, float(away[arrived_now].min()))
-            # a lower bound on the distance that each joint position may still reach
+            # estimate how near to the reference each joint position can come: a lower bound on the squared
+            # distance
             hoped = away - HOPE * (share * np.einsum("kn,kn->k", along, along) + miss)
             going = ~arrived_now & (miss < LOST[number])
             if number == steps or not (hoped[going] < nearest - LESS).any():
@@ -285,8 +287,8 @@ class Pull:
         return np.concatenate(arrived) if arrived else np.empty((0, self.chain.size))
 
     def _hopeful(self, q: Array, away: Array, hoped: Array, miss: Array, nearest: float) -> NDArray[np.bool_]:
-        """Return a mask (k,) of the joint positions (k, n) that may still become the nearest to the
-        reference. Of joint positions that have come together, only the first may.
+        """Return a mask (k,) of the joint positions (k, n) that can become the nearest to the reference. If
+        several joint positions have come together, only the first one stays in the mask.
         """
         close = miss < CLOSE
         if close.any():
@@ -298,8 +300,8 @@ class Pull:
         return hopeful
 
     def _exact(self, q: Array) -> Array:
-        """Move joint positions (k, n) near the pose to the pose, within limits. Return those that reach it in
-        a few steps.
+        """Move joint positions (k, n) near the pose to the pose, within limits. Return the joint positions
+        (m, n) that reach the pose in `LAST` steps.
         """
         for number in range(LAST + 1):
             jacobian, error = self._jacobians(q)
@@ -312,8 +314,8 @@ class Pull:
         return kept
 
     def _jacobians(self, q: Array) -> tuple[Array, Array]:
-        """Return the Jacobians (k, 6, n) at joint positions (k, n), and the twists from there to the pose (k,
-        6).
+        """Return the Jacobians (k, 6, n) at joint positions (k, n), and the twists (k, 6) from the flange to
+        the pose.
         """
         if len(q) == 1:
             pose, one = pose_with_jacobian(self.chain, q[0])
@@ -348,7 +350,7 @@ class Pull:
     def _scaled_steps(
         self, q: Array, jacobian: Array, error: Array, miss: Array, wanted: Array
     ) -> tuple[Array, Array]:
-        """Compute `_steps` for joint motions that are all counted in the same unit."""
+        """Compute `_steps` for `scale` None: the motions of all joints count equally."""
         towards, along = _least(jacobian, error, miss, wanted)
         low, high = q <= self.lower + EDGE, q >= self.upper - EDGE
         if not (low | high).any():
@@ -362,7 +364,8 @@ class Pull:
                 break
             free[rows] &= ~leaving[rows]
             held = free[rows]
-            # without the columns of held joints, the other joints make the whole step
+            # remove the columns of joints that are held at limits, so that the other joints make the whole
+            # step
             towards[rows], along[rows] = _least(
                 jacobian[rows] * held[:, None], error[rows], miss[rows], wanted[rows] * held
             )
@@ -380,7 +383,8 @@ def _least(jacobian: Array, error: Array, miss: Array, towards: Array) -> tuple[
         towards: (k, n) the wanted moves.
 
     Returns:
-        J⁺ error (k, n) and (I - J⁺ J) wanted (k, n), with the damped pseudoinverse J⁺ = Jᵀ (JJᵀ + d)⁻¹.
+        J⁺ `error` (k, n) and (I - J⁺ J) `towards` (k, n). J is the Jacobian, and J⁺ = Jᵀ (JJᵀ + d)⁻¹ its
+            pseudoinverse with damping d.
     """
     across = jacobian.transpose(0, 2, 1)
     square = jacobian @ across

@@ -15,11 +15,11 @@ from yarclang.robot.model import Array, Chain, Limits
 def reach_radii(chain: Chain, limits: Limits, flange_from_tool: Array) -> Array:
     """Return, for each joint, an upper bound on the speed of the tool's origin per unit of joint speed.
 
-    For a revolute joint this is a bound on the distance [m] from its axis to the tool's origin. It is a sum:
-    the distance from the axis to a fixed point on the next axis, the lengths of the links from there on
-    (point to point), and the travel of the prismatic joints among them. By the triangle inequality the bound
-    holds for all joint positions within the limits of the prismatic joints; the limits of revolute joints
-    aren't used. For a prismatic joint the bound is 1 (times the length of its screw).
+    For a revolute joint this is a bound on the distance [m] from its axis to the tool's origin. The bound is
+    a sum of three parts: the distance from the axis to a fixed point on the next axis; the lengths of all
+    later links, point to point; and the travel of all later prismatic joints. By the triangle inequality the
+    bound holds for all joint positions within the limits of the prismatic joints; the limits of revolute
+    joints aren't used. For a prismatic joint the bound is 1 (times the length of its screw).
 
     Args:
         chain: the arm, n joints.
@@ -35,7 +35,7 @@ def reach_radii(chain: Chain, limits: Limits, flange_from_tool: Array) -> Array:
     beyond = 0.0
     for joint in range(chain.size - 1, -1, -1):
         if not links.turn[joint]:
-            # a slide moves everything after it by at most its travel
+            # a sliding joint moves everything after it by at most its travel
             travel = max(abs(limits.lower[joint]), abs(limits.upper[joint]))
             radii[joint] = links.slide[joint]
             beyond += links.slide[joint] * travel
@@ -53,9 +53,9 @@ def arm_length(chain: Chain, flange_from_tool: Array) -> float:
     """Return an upper bound on the distance of the tool from the first turning axis [m], with sliding joints
     at zero; 1 m if no joint turns.
 
-    The bound is a sum of distances: from the tool to the last turning axis, from the foot of this
-    perpendicular to the turning axis before, and so on. It doesn't depend on where along their axes the URDF
-    puts the joints.
+    The bound is a sum of distances. The first is the distance from the tool to the nearest point of the last
+    turning axis; the second is the distance from that point to the nearest point of the previous turning
+    axis, and so on. The bound doesn't depend on where along their axes the URDF puts the joints.
 
     Args:
         chain: the arm.

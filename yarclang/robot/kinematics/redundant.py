@@ -13,14 +13,18 @@ from yarclang.robot.kinematics.within import EDGE, beyond
 from yarclang.robot.model import Array, Chain, Limits
 
 STEP = 0.12
-"""The largest change of a joint from one joint position to the next [rad, or m by `weights`]."""
+"""The largest change of a joint from one sample of the self-motion to the next [units of `weights` / pi: 1
+rad for a turning joint without limits].
+"""
 
 ROUNDS = 40
-"""The largest number of steps to each side: more than half a turn of the joint that moves most."""
+"""The largest number of steps to each side of a given joint position. The steps of one side are together
+longer than half a turn of the joint that moves most.
+"""
 
 
 LEAST = 1e-3
-"""Least weight of a joint that has hardly any range, as a share of the largest weight."""
+"""Least weight of a joint that has hardly any range, relative to the largest weight."""
 
 
 def weights(chain: Chain, limits: Limits) -> Array:
@@ -31,7 +35,7 @@ def weights(chain: Chain, limits: Limits) -> Array:
     """
     half = 0.5 * (limits.upper - limits.lower)
     ways = np.minimum(half, np.where(chain.is_prismatic, extent(chain), np.pi))
-    # a joint that limits lock gets a small weight: it hardly moves
+    # a joint whose limits are equal gets a small weight, so that it hardly moves
     result: Array = np.maximum(ways, LEAST * ways.max())
     return result
 
@@ -65,7 +69,7 @@ def self_motion(chain: Chain, limits: Limits, base_from_flange: Array, q: Array)
         step = way * (STEP / np.maximum(np.abs(way).max(axis=1), 1e-9))[:, None] * scale
         poses = np.broadcast_to(base_from_flange, (len(positions), 4, 4))
         moved = fit(chain, poses, positions + step, lower=limits.lower, upper=limits.upper, rounds=10)
-        # the fit holds a joint at its limit; a position that no longer moves has come to an end
+        # the fit keeps a joint at its limit. A joint position that then hardly moves isn't continued
         gone = np.abs((moved.q - positions) / scale).max(axis=1)
         going = (moved.total < reached_within(chain)) & (gone > 0.25 * STEP) & (gone < 3.0 * STEP)
         going &= np.abs(beyond(limits, moved.q)).max(axis=1) <= EDGE

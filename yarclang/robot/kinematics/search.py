@@ -28,17 +28,17 @@ STARTS = 2048
 """Number of fixed joint positions to start from."""
 
 TURNED = 0.3
-"""Weight of a turn by 1 rad against a distance of the arm's whole length, in the choice of the nearest
+"""Weight of a turn by 1 rad relative to a distance of the arm's whole length, in the choice of the nearest
 start.
 """
 
 STAGES = ((1, 14), (2, 20), (6, 30), (24, 40), (64, 60), (160, 80))
-"""Number of starts for each pose, and the largest number of steps of each start, stage by stage. A start that
-hasn't converged by then seldom does.
+"""For each stage of the search, the number of starts for each pose, and the largest number of steps from each
+start. A start that hasn't converged after these steps seldom does.
 """
 
 BLOCK = 512
-"""Poses whose distances to all starts are computed together."""
+"""Number of poses whose distances to all starts are computed together."""
 
 
 def reaching(chain: Chain, limits: Limits, base_from_flange: Array) -> tuple[Array, NDArray[np.bool_]]:
@@ -176,8 +176,8 @@ def _features(chain: Chain, poses: Array) -> Array:
 
 
 def _nearest_starts(chain: Chain, limits: Limits, poses: Array, most: int) -> NDArray[np.int_]:
-    """Return, for each pose, the indices of the starts whose own poses are nearest, the nearest first, as (N,
-    most).
+    """Return, for each pose, the indices (N, most) of the starts whose own poses are nearest to it, the
+    nearest first.
     """
     features = _start_features(chain, limits)
     half_square = 0.5 * np.square(features).sum(axis=1)

@@ -66,8 +66,8 @@ def twist_between(pose: Array, target: Array) -> Array:
 
 @lru_cache(maxsize=256)
 def _constants(chain: Chain) -> tuple[Array, Array]:
-    """Return the first joint's frame in {B} (4, 4), and the transforms from each joint to the next or to the
-    flange (n, 4, 4); cached by the chain's identity.
+    """Return two constants of a chain, cached by its identity: the first joint's frame in {B} (4, 4), and the
+    transforms from each joint to the next joint or to the flange (n, 4, 4).
     """
     links: Links = links_of(chain)
     after = np.empty((chain.size, 4, 4))

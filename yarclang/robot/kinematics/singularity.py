@@ -1,5 +1,5 @@
 """Measure the distance of joint positions from a singularity, and find the tool motions that need large joint
-motions there.
+motions near it.
 
 A Jacobian mixes m and rad, so its singular values are meaningless until lengths and angles are weighted. Here
 every length is divided by the arm's characteristic length L, the largest distance of the tool from the first
@@ -26,10 +26,12 @@ squares are at most some tens.
 class Nearness:
     """The distance of joint positions from a singularity.
 
-    `smallest` (N,) is the smallest singular value of the weighted Jacobian. `joints` (N, n) is the joint
-    motion of length 1 [rad, or L for a sliding joint] that moves the tool least; its large entries belong to
-    the joints that cancel each other's motion. `twist` (N, 6) is the tool motion of length 1 that needs the
-    largest joint motion: linear part [L] above angular part [rad], in the axes of {B}.
+    Attributes:
+        smallest: (N,) smallest singular value of the weighted Jacobian.
+        joints: (N, n) joint motion of length 1 that moves the tool least [rad, or L for a sliding joint]. Its
+            large entries belong to the joints that cancel each other's motion.
+        twist: (N, 6) tool motion of length 1 that needs the largest joint motion: linear part [L] above
+            angular part [rad], in the axes of {B}.
     """
 
     smallest: Array
@@ -64,8 +66,9 @@ def smallest_singular_values(chain: Chain, q: Array, flange_from_tool: Array) ->
 def are_all_above(chain: Chain, q: Array, flange_from_tool: Array, limit: float) -> bool:
     """Return True if the smallest singular value is proved to be above a limit at every joint position.
 
-    JJᵀ - limit² I is positive definite exactly if it has a Cholesky factor, which takes a fifth of the time
-    of the singular values. If a value is above the limit by no more than rounding, the result is False.
+    JJᵀ - limit² I is positive definite exactly if it has a Cholesky factor. Computing this factor takes a
+    fifth of the time that the singular values take. If a value is above the limit by no more than rounding,
+    the result is False.
 
     Args:
         chain: the arm, n joints.

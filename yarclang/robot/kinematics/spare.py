@@ -4,15 +4,16 @@ With one joint held at a given position, two kinds of arms with seven joints hav
 
 - The held joint is the first or the last (a rail under an arm, or a turn after its flange), and the other six
   joints are an arm of `closed_form`.
-- All joints turn, the last three axes meet (the wrist centre), and two of the first four meet. These are the
-  first two with the third held (a spherical shoulder, as in LBR iiwa), or the second and third with the first
-  held.
+- All joints turn, the last three axes meet (the wrist centre), and two of the first four axes meet. Either
+  axes 1 and 2 meet, and joint 3 is held (a spherical shoulder, as in LBR iiwa); or axes 2 and 3 meet, and
+  joint 1 is held.
 
-In the second kind, the distance of the wrist centre from the point where these two axes meet gives the fourth
-angle (subproblem 3), the direction of the wrist centre gives the angles of these two axes (subproblem 2), and
-the rotation that is left gives the wrist. An arm whose first three axes meet (Panda, xArm 7) is of this kind
-if it is read from its flange. The decomposition is that of Elias and Wen, IK-Geo (Mechanism and Machine
-Theory 209, 2025), "spherical wrist, two intersecting".
+The second kind is solved in three steps. The two axes that meet before the wrist have a meeting point; the
+distance of the wrist centre from this point gives the fourth angle (subproblem 3). The direction of the wrist
+centre gives the angles about the two meeting axes (subproblem 2). The remaining rotation gives the wrist's
+angles. An arm whose first three axes meet (Panda, xArm 7) is of this kind if it is read from its flange. The
+decomposition is that of Elias and Wen, IK-Geo (Mechanism and Machine Theory 209, 2025), "spherical wrist, two
+intersecting".
 """
 
 from __future__ import annotations
@@ -39,8 +40,8 @@ from yarclang.robot.model import Array, Chain
 from yarclang.transforms import sealed
 
 APART = 1e-3
-"""Least distance of axes and points [m], and least angle between axes [rad], at which they determine a
-solution.
+"""Axes and points that are nearer to each other than this distance [m], or axes at a smaller angle than this
+[rad], don't determine a solution.
 """
 
 BRANCHES = 8
@@ -61,14 +62,24 @@ class HeldAtEnd:
 
 @frozen(eq=False)
 class HeldWithin:
-    """An arm of seven turning joints with a wrist; a joint before the wrist is held at a given position. The
-    arm is read from the base, or from the flange (`is_reversed`).
+    """An arm of seven turning joints with a wrist; a joint before the wrist is held at a given position.
 
-    All fields describe the chain as it is read, with all joints at zero. `axes` and `points` (7, 3) are the
-    joints' axes. `held` (0 or 2) is the held joint, `pair` are the two joints whose axes meet in `meeting`
-    (3,). Joint 3 bends the arm; joints 4 to 6 are the wrist with the centre `centre` (3,) and the angles
-    `angles`. `home` (4, 4) is the pose of the tip. `fourth` and `sixth` (3, 3) are the frames of the wrist's
-    first and last axis. `crosses` (7, 3, 3) are the cross product matrices of the axes.
+    The arm is read from the base, or from the flange if `is_reversed` is True. All other fields describe the
+    chain as it is read, with all joints at zero.
+
+    Attributes:
+        is_reversed: True if the arm is read from the flange to the base.
+        held: number of the held joint, counted from 0: 0 or 2.
+        pair: the two joints whose axes meet in `meeting`.
+        axes: (7, 3) directions of the joints' axes.
+        points: (7, 3) a point on each axis [m].
+        meeting: (3,) point in which the axes of `pair` meet [m].
+        centre: (3,) wrist centre: the meeting point of the axes of joints 4 to 6 [m]. Joint 3 bends the arm.
+        home: (4, 4) pose of the chain's tip.
+        fourth: (3, 3) frame of the wrist's first axis.
+        sixth: (3, 3) frame of the wrist's last axis.
+        angles: angles between the wrist's axes.
+        crosses: (7, 3, 3) cross product matrices of the axes.
     """
 
     is_reversed: bool
@@ -158,13 +169,16 @@ def _solved_at_end(
 
 
 def _within(chain: Chain, *, is_reversed: bool) -> HeldWithin | None:
-    """Return the closed form of an arm with a wrist, read from the base or from the flange, with a joint
-    before the wrist held; None if there is none.
+    """Return the closed form for an arm with a wrist if one joint before the wrist is held at a given
+    position; None if the arm has no such closed form.
+
+    With `is_reversed`, the arm is read from the flange to the base, so that the wrist may be at its base.
     """
     if not links_of(chain).uniform:
         return None
     if is_reversed:
-        # T⁻¹ = exp(-s7' q7) … exp(-s1' q1) M⁻¹, the screws s' seen from the flange M
+        # the chain read from the flange is T⁻¹ = exp(-s7' q7) … exp(-s1' q1) M⁻¹, where the screws s' are
+        # relative to the flange pose M
         home = _back(chain.base_from_flange)
         chain = Chain(sealed(-_seen_from(chain.base_from_flange, chain.screws)[::-1]), sealed(home))
     links = links_of(chain)
@@ -179,8 +193,8 @@ def _within(chain: Chain, *, is_reversed: bool) -> HeldWithin | None:
         if held_joint == 0 and _distance(axes[3], points[3], meeting) < APART:
             continue
         if held_joint == 2:
-            # the held joint carries the meeting point around its axis; if the point stays at rest, it has to
-            # be off the fourth axis
+            # the held joint moves the meeting point around its own axis. If the meeting point is on the held
+            # joint's axis, it stays at rest; it must then not be on the fourth axis
             stays = _distance(axes[2], points[2], meeting) < TOLERANCE
             if stays and _distance(axes[3], points[3], meeting) < APART:
                 continue
@@ -217,6 +231,7 @@ def _solved_within(
     middle = np.broadcast_to(form.meeting[:, None], (3, count))
     if form.held == 0:
         start = form.points[0][:, None]
+        # undo the turn of the first joint: the target relative to the link that the first joint moves
         way = _turned(form.crosses[0], target[:, None] - start, -sin, cos) + start - middle
         tip = _turned(form.crosses[0], tip, -sin, cos)
     else:
@@ -224,8 +239,8 @@ def _solved_within(
         way = (target - form.meeting)[:, None] + np.zeros(count)
         middle = _turned(form.crosses[2], middle - start, -sin, cos) + start
     bend, bends = _bend(form, middle, way)
-    # the vector from the point where the two axes meet to the wrist centre, before the two turn: (3, bend 2,
-    # N)
+    # the vector from the point where the two axes meet to the wrist centre, before the two joints turn: (3,
+    # bend 2, N)
     bend_sin, bend_cos = np.sin(bend), np.cos(bend)
     across = (form.centre - form.points[3])[:, None, None]
     reach = _turned(form.crosses[3], across, bend_sin, bend_cos) + form.points[3][:, None, None]
@@ -255,8 +270,8 @@ def _solved_within(
 
 
 def _bend(form: HeldWithin, middle: Array, way: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Solve subproblem 3: find the fourth angle at which the wrist centre is at the distance |`way`| from
-    `middle`.
+    """Solve subproblem 3: find the fourth angle at which the distance of the wrist centre from `middle` is
+    the length of `way`.
 
     Args:
         form: the arm.
@@ -268,13 +283,16 @@ def _bend(form: HeldWithin, middle: Array, way: Array) -> tuple[Array, NDArray[n
     """
     axis = form.axes[3]
     arm, target = form.centre - form.points[3], middle - form.points[3][:, None]
-    # split both vectors into their components along the axis and across it
+    # split both vectors into their components parallel and perpendicular to the axis
     along, height = float(axis @ arm), axis @ target
     arm = arm - along * axis
     target = target - axis[:, None] * height
     length, distance = float(np.linalg.norm(arm)), np.sqrt((target * target).sum(axis=0))
+    # Square of the wanted distance between `arm` and `target`, both of which are now perpendicular to the
+    # axis.
     square = (way * way).sum(axis=0) - np.square(along - height)
-    # both legs of half the angle between arm and seen, by the law of cosines
+    # sine and cosine of half the angle between `arm` and `target`, times a common factor, by the law of
+    # cosines
     sine, cosine = square - np.square(length - distance), np.square(length + distance) - square
     reached = (np.minimum(sine, cosine) >= -REACH_TOLERANCE) & (distance > APART)
     half = np.arctan2(np.sqrt(np.maximum(sine, 0.0)), np.sqrt(np.maximum(cosine, 0.0)))
@@ -304,11 +322,12 @@ def _two_turns(
     first_joint, other = (form.axes[joint] for joint in form.pair)
     cosine, normal = float(first_joint @ other), form.crosses[form.pair[0]] @ other
     sine = float(normal @ normal)
-    # the vector between the two turns lies on both cones: first · one + second · other ± aside · normal
+    # the vector between the two turns lies on the cones about both axes. Its components are `first` and
+    # `second` along these axes, and plus or minus `aside` along their common normal
     level, height = first_joint @ way, (other @ reach.reshape(3, -1)).reshape(reach.shape[1:])
     # solve for the components along the two axes: the turns change neither `level` nor `height`
     first, second = (level - cosine * height) / sine, (height - cosine * level) / sine
-    # the rest of the length is along the common normal
+    # the remaining component is along the common normal
     square = (reach * reach).sum(axis=0) - first * (first + 2.0 * cosine * second) - second * second
     aside = np.sqrt(np.maximum(square, 0.0) / sine)
     between = first_joint[:, None, None] * first + other[:, None, None] * second
@@ -319,7 +338,7 @@ def _two_turns(
     turn_one = _turn_between(_crossed(cross_one, between), end[:, None, None], way[:, None, None])
     start = _crossed(cross_other, reach)[:, None]
     turn_other = _turn_between(start, _crossed(cross_other, between), between)
-    # hold the turn of a vector that lies along its axis
+    # if a vector lies along its axis of rotation, its angle is free: use the held value
     radius = np.sqrt((end * end).sum(axis=0))
     if radius.min(initial=1.0) < 10.0 * HOLD:
         turn_one = held(turn_one, hold[0], radius)

@@ -1,14 +1,15 @@
 """Follow the branches of the closed form along a path.
 
 All branches of all samples are computed at once, and the strand (the sequence of joint positions) stays on
-its branch from sample to sample. If this would need a large move between two samples, more samples are added,
-down to a billionth of the path. If another branch then continues smoothly, the path passes exactly through a
-singularity, and the strand changes to that branch. If no branch does, a joint would have to jump.
+its branch from sample to sample. If staying on the branch would need a large move between two samples, more
+samples are added, down to a billionth of the path. If another branch then continues smoothly, the path passes
+exactly through a singularity, and the strand changes to that branch. If no branch does, a joint would have to
+jump.
 
-Inside a singularity the pose leaves one angle free, and this angle is held. The closed form changes from the
-held angle to the determined one within a few 1e-10 rad, and a short path may have samples in between. The
-path itself doesn't require the free angle to turn when it leaves the singularity; if the angle turns by much,
-the joint would have to jump.
+Inside a singularity the pose leaves one angle free. This angle keeps its value (it is held). Within a few
+1e-10 rad of the singularity, the closed form changes gradually from the held angle to the angle that the pose
+determines. If a short path has samples this near to the singularity, the angle seems to turn gradually. The
+path doesn't require this turn: if the angle turns by much, the joint would have to jump.
 """
 
 from __future__ import annotations
@@ -30,30 +31,33 @@ NEAR = 0.2
 """The largest move of a joint from sample to sample [rad or m]."""
 
 FINEST = 1e-9
-"""The shortest piece of a path that is examined, as a share of the path."""
+"""Length of the shortest interval of a path that is examined, relative to the path."""
 
 BEND = 0.02
 """Largest distance of a sample from the chord of its neighbours [rad]."""
 
 SHORT = 1e-5
-"""Length of a piece that isn't cut only because of its bend, as a share of the path."""
+"""Length of an interval, relative to the path, below which a bend is no reason to divide the interval."""
 
 SECTIONS = 16
-"""Largest number of pieces into which an interval with a possible jump is cut."""
+"""Largest number of intervals into which an interval with a possible jump is divided."""
 
 ROUNDS = 40
-"""The largest number of refinements of a skeleton."""
+"""The largest number of times that samples are added to a path."""
 
 End = Literal["whole", "jump", "nothing"]
 
 
 @frozen(eq=False)
 class Strand:
-    """Joint positions `q` (M, n) [rad or m] at path parameters `s` (M,) from 0 to 1, up to the last one that
-    is reached without a jump of a joint.
+    """Joint positions along a path, up to the last one that is reached without a jump of a joint.
 
-    `end` is "whole" if they reach the path's end, "jump" if the nearest solution after them would be a jump
-    (to `beyond` (n,)), and "nothing" if there is no solution after them.
+    Attributes:
+        s: (M,) path parameters from 0 to 1.
+        q: (M, n) joint positions at these path parameters [rad or m].
+        end: reason why the strand ends: "whole" at the end of the path, "jump" if a joint would have to jump
+            to `beyond`, and "nothing" if no solution follows.
+        beyond: (n,) for "jump", the nearest of the solutions that follow [rad or m].
     """
 
     s: Array
@@ -83,8 +87,10 @@ class _Held:
     """A singularity that the joint motion along a path has entered. Inside it, the angle that the pose leaves
     free keeps its value (it is held).
 
-    `before` is the index of the last sample before it, `q` (6,) are the joint positions there, and `joints`
-    are the joints that the singularity frees.
+    Attributes:
+        before: index of the last sample before the singularity.
+        q: (6,) joint positions at this sample [rad].
+        joints: numbers of the joints that the singularity frees.
     """
 
     before: int
@@ -92,8 +98,8 @@ class _Held:
     joints: list[int]
 
     def turned(self, q: Array) -> Array:
-        """Return by how much the free joints have turned from their held values at joint positions `q` (K,
-        6): the largest difference at each position, (K,) [rad].
+        """Return how far the joints that the singularity frees are from their values in `self.q`, as the
+        largest difference (K,) [rad] at each of the joint positions `q` (K, 6).
         """
         away: Array = np.abs(q[:, self.joints] - self.q[self.joints]).max(axis=1)
         return away
@@ -146,7 +152,9 @@ def plain_strands(
     beyond = poses.reshape(*q.shape[:2], 4, 4)[:, 1:]
     branches = closed_form(arm, beyond[:, 0], starts[0][:, None])
     own, valid, singular = one_branch(arm, beyond.reshape(-1, 4, 4), branch)
-    if branches.singular.any() or singular.any():  # a held angle depends on the path's own start
+    # At a singularity one angle is free. It would have to keep the value that it has at the start of each
+    # path, which this function can't do.
+    if branches.singular.any() or singular.any():
         return q, np.zeros(len(starts), dtype=bool)
     own_moves = own.T.reshape(len(starts), -1, 6)
     moves = own_moves[:, 1:] - own_moves[:, :-1]
@@ -156,7 +164,8 @@ def plain_strands(
     q[:, 2:] = next_to(own_moves[:, 1:], q[:, 1:2] + np.cumsum(moves, axis=1))[0]
     is_plain = valid.reshape(own_moves.shape[:2]).all(axis=1)
     is_plain &= (np.abs(away) <= NEAR).all(axis=1) & (np.abs(moves) <= NEAR).all(axis=(1, 2))
-    # `follow_branches` takes the nearest of all branches to the first sample
+    # `follow_branches` takes the branch that is nearest at the first sample after the start: this must be
+    # `branch`
     size = np.abs(next_to(branches.q.transpose(2, 1, 0), starts[:, None])[1]).max(axis=2)
     size[~branches.valid.T] = np.inf
     is_plain &= np.argmin(size, axis=1) == branch
@@ -269,11 +278,11 @@ def _held_run(arm: Form, samples: _Samples, first: int, last: int, branch: int, 
 
 
 def _bends(strand: Strand) -> Array:
-    """Return path parameters (K,) at which more samples are needed: halfway between each sample that lies off
-    the chord of its neighbours and these neighbours.
+    """Return path parameters (K,) at which more samples are needed: halfway to both neighbours of each sample
+    that lies off the chord of these neighbours.
 
-    Without them, a short event between two samples would be missed, such as an interval in which the path is
-    out of reach.
+    Without these samples, a short interval between two samples, such as one in which the path is out of
+    reach, would be missed.
     """
     s, q = strand.s, strand.q
     if len(s) < 3:
@@ -299,7 +308,7 @@ def _choose(arm: Form, samples: _Samples, index: int, q: Array) -> tuple[int, Ar
 
     Returns:
         The branch, or -1 if no branch reaches the pose; its joint values (6,) on the full turns nearest to
-        `q`; and True if it is singular at the sample, in which case its free angle has the value in `q`.
+            `q`; and True if it is singular at the sample. Its free angle then has the value in `q`.
     """
     solutions, valid, singular = samples.q[index], samples.valid[index], samples.singular[index]
     if not valid.any():

@@ -1,8 +1,8 @@
 """Follow a path of flange poses with continuous joint motion, or report where and why it can't be followed.
 
-A path is sampled at places that are dense enough for each joint to move little from one sample to the next
-(the skeleton). If a joint moves more, samples are added until the move is small, or until the interval is so
-short that the joint would have to jump.
+A path is sampled densely enough for each joint to move little from one sample to the next. If a joint moves
+farther, samples are added until the move is small, or until the interval is so short that the joint would
+have to jump.
 """
 
 from __future__ import annotations
@@ -29,29 +29,31 @@ from yarclang.transforms import sealed
 
 BreakKind = Literal["reach", "limits", "singular", "configuration"]
 Reason = Literal["any", "kind", "measured"]
-"""Information wanted about a path within joint limits that can't be followed.
+"""Information wanted about the reason why a path can't be followed, if joint limits aren't the reason.
 
-"any": nothing is needed, and the reported kind is arbitrary. "kind": the kind of the break. "measured": also
-by how much the path is out of reach. The last two are searches of about 0.1 s.
+"any": nothing, so that the reported kind is arbitrary. "kind": the kind of the break. "measured": the kind,
+and by how much the path is out of reach. "kind" and "measured" need searches of about 0.1 s.
 """
 
 PathPoses = Callable[[Array], Array]
 
 SAMPLES = 33
-"""Number of places of a path in the first skeleton."""
+"""Number of places at which a path is sampled first."""
 
 ON_PATH = 1e-6
-"""Largest distance of the start from the path, and of the polished start from its limits [m or rad]."""
+"""Limits for the start after iteration has improved it: its largest distance from the path's start, and its
+largest excess over joint limits [m or rad].
+"""
 
 START = 1e-3
-"""Largest distance of the polished start from the given one [rad or m]."""
+"""Largest change of the start by the iteration that improves it [rad or m]."""
 
 CLEAR = 1e-6
-"""Distance after a singularity at which the jump over it is measured, as a share of the path."""
+"""Distance after a singularity at which a joint's jump is measured, relative to the path."""
 
 CLEAR_WAY = 1e-7
-"""Smallest such distance [m and rad together]. Nearer to the singularity, the closed form is still changing
-from the held angle to the determined one.
+"""Least distance after a singularity at which a joint's jump is measured [m and rad together]. At smaller
+distances, the closed form changes from the held angle to the determined one.
 """
 
 EDGE = 1e-8
@@ -62,11 +64,15 @@ EDGE = 1e-8
 class Track:
     """Joint positions along a path.
 
-    `s` (M,) grows from 0 to 1. `q` (M, n) [rad or m] reach the path's poses, each joint without jumps by full
-    turns. Between two neighbours no joint moves more than 0.2 rad (or m), so that the joint positions that
-    `at` interpolates lead `follow` to the same branch. `bend` (M, n) are the second derivatives of the
-    natural cubic spline through `q`. Only a redundant arm has them: its seeds choose among a continuum of
-    solutions and therefore have to be smooth.
+    Between two neighbouring samples no joint moves more than 0.2 rad (or m). From joint positions that `at`
+    interpolates, `follow` therefore finds solutions on the same branch.
+
+    Attributes:
+        s: (M,) path parameters, from 0 to 1.
+        q: (M, n) joint positions that reach the path's poses, without jumps by full turns [rad or m].
+        bend: (M, n) second derivatives of the natural cubic spline through `q`. Only a redundant arm has
+            them: it has a continuum of solutions, so the seeds determine which of them are found, and have to
+            be smooth.
     """
 
     s: Array
@@ -94,24 +100,32 @@ class Track:
 class Broken:
     """The place after which a path can't be followed, and the reason.
 
-    `s` is the last path parameter reached, from 0 to 1, and `q` (n,) [rad or m] the joint position there.
     `kind` is the reason:
 
     "reach": the rest of the path is out of reach. At its worst place the flange misses the pose by `amount`
     [m] in the right orientation; if the arm can't reach the orientation either, `angle` [rad] remains. Both
     are valid only if `is_measured`.
 
-    "limits": `joint` (from 0) leaves its limits here. On the rest of the path it would exceed them by up to
-    `amount` [rad or m], positive above the upper limit, negative below the lower one. Some later pose can't
-    be reached within limits by any configuration.
+    "limits": joint number `joint` (from 0) leaves its limits here. On the rest of the path it would exceed
+    them by up to `amount` [rad or m], positive above the upper limit, negative below the lower one. Some
+    later pose can't be reached within limits by any configuration.
 
     "configuration": only another configuration (or another full turn of a joint) continues from here. If
     limits are the reason, `joint` and `amount` are as for "limits", and every sampled pose of the rest of the
     path can be reached within limits by some other configuration. If this configuration ends here, `joint` is
-    the joint that differs most in the nearest other configuration and `amount` the difference, or `joint` is
-    None.
+    the joint with the largest difference from the nearest other configuration, and `amount` is this
+    difference; `joint` may also be None.
 
     "singular": `joint` would have to jump here by `amount` [rad or m] with the flange at rest.
+
+    Attributes:
+        s: last path parameter that is reached, from 0 to 1.
+        kind: the reason.
+        q: (n,) joint position at `s` [rad or m].
+        joint: number of a joint, from 0; see `kind`.
+        amount: see `kind`.
+        angle: see "reach".
+        is_measured: True if `amount` and `angle` are valid for "reach".
     """
 
     s: float
@@ -139,7 +153,7 @@ def track(
         limits: its limits; q_start is within them.
         pose_at: function that returns the poses base_from_flange (N, 4, 4) at path parameters s (N,) in [0,
             1]; continuous.
-        q_start: (n,) [rad or m], reaches pose_at(0) within 1e-6.
+        q_start: (n,) [rad or m], reaches pose_at(0) up to small errors, which are corrected.
         samples: number of path parameters that are sampled first, at equal distances.
         reason: what to find out about the reason if the path can't be followed.
 
@@ -147,7 +161,8 @@ def track(
         The joint positions along the whole path, or the place after which it can't be followed, and why.
 
     Raises:
-        ValueError: q_start doesn't reach the path's start.
+        ValueError: q_start is more than 1e-3 rad (or m) from the nearest joint position that reaches
+            pose_at(0) within 1e-6.
     """
     s = np.linspace(0.0, 1.0, max(samples, 3))
     start = q_start[None]
@@ -157,7 +172,7 @@ def track(
     if max(float(miss[0]), float(turn[0])) > ON_PATH or np.abs(start[0] - q_start).max() > START:
         raise ValueError("the start position doesn't stand at the path's start")
     if np.abs(beyond(limits, start[0])).max() <= ON_PATH:
-        # a start on a limit may exceed it by its own rounding
+        # a start at a limit may exceed it by a rounding error: widen the limits to include the start
         limits = replace(
             limits, lower=np.minimum(limits.lower, start[0]), upper=np.maximum(limits.upper, start[0])
         )
@@ -242,7 +257,7 @@ def _leaving(chain: Chain, limits: Limits, pose_at: PathPoses, strand: Strand) -
         last = max(int(np.argmax(over)), 1) if over.any() else 16
         before, after, ends, inside = s[last - 1], s[last], q[last - 1 : last + 1], q[last - 1]
     joint = int(np.argmax(np.abs(beyond(limits, ends[1]))))
-    # the largest excess over the same limit on the rest of the path
+    # the largest excess of this joint over its limits on the rest of the path
     worst = excess[first:, joint]
     amount = float(worst[np.argmax(np.abs(worst))])
     kind: BreakKind = "limits"
@@ -257,7 +272,8 @@ def _break(chain: Chain, pose_at: PathPoses, strand: Strand, *, measures: bool) 
     s, q = float(strand.s[-1]), sealed(strand.q[-1])
     if strand.end == "jump":
         return _jump(chain, pose_at, s, q, strand.beyond)
-    # sample densely just after the break, and also the rest of the path: a gap in reach may be short
+    # sample densely just after the break, where a gap in reach may be short, and less densely on the rest of
+    # the path
     rest = np.unique(
         np.concatenate([s + (1.0 - s) * np.geomspace(1e-8, 1.0, 25), np.linspace(s, 1.0, 33)[1:]])
     )
@@ -276,8 +292,8 @@ def _break(chain: Chain, pose_at: PathPoses, strand: Strand, *, measures: bool) 
 
 
 def _jump(chain: Chain, pose_at: PathPoses, s: float, q: Array, beyond: Array) -> Broken:
-    """Return the reason why a strand ends at `q` (n,) if the nearest solution after it, `beyond` (n,), is a
-    jump of a joint away.
+    """Return the reason why a strand ends at `q` (n,), if a joint would have to jump to the nearest solution
+    after the end, `beyond` (n,).
     """
     # measure the jump a little further on, where the joints are clear of the singularity
     ends = pose_columns(pose_at(np.array([s, 1.0])))
@@ -287,8 +303,8 @@ def _jump(chain: Chain, pose_at: PathPoses, s: float, q: Array, beyond: Array) -
     if max(further[1][0], further[2][0]) < reached_within(chain):
         beyond = further[0][0]
     jump = beyond - q
-    # if two axes coincide, both joints jump by the same amount: take the first one, since rounding differs
-    # between processors
+    # if two axes coincide, both joints jump by equal amounts, except for rounding, which depends on the
+    # processor: report the first joint
     size = np.abs(jump)
     joint = int(np.flatnonzero(size >= (1.0 - 1e-6) * size.max())[0])
     # at a singularity the joints can move across the jump with the flange at rest; otherwise the two
@@ -316,7 +332,7 @@ def spline_bends(s: Array, q: Array) -> Array:
     width = np.diff(s)
     slope = np.diff(q, axis=0) / width[:, None]
     bend = np.zeros_like(q)
-    if len(s) > 3:  # LAPACK's wrapper has no system of one equation
+    if len(s) > 3:  # LAPACK's wrapper doesn't accept a system of one equation
         band = np.zeros((2, len(s) - 2))
         band[0, 1:], band[1] = width[1:-1], 2.0 * (width[:-1] + width[1:])
         bend[1:-1] = solveh_banded(band, 6.0 * np.diff(slope, axis=0), check_finite=False)

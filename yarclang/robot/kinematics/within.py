@@ -46,8 +46,8 @@ def beyond(limits: Limits, q: Array) -> Array:
 
 
 def clear_of_limits(limits: Limits, reference: Array) -> tuple[Array, Array]:
-    """Return the limits narrowed by a clearance, as lower and upper (n,) [rad or m]. They are widened again
-    where the reference would exceed them.
+    """Return the limits narrowed by a clearance, as lower and upper (n,) [rad or m]. If the reference would
+    exceed a narrowed limit, this limit is widened to the reference.
     """
     room = np.minimum(CLEAR, 0.05 * (limits.upper - limits.lower))
     return (

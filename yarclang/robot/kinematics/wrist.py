@@ -21,7 +21,7 @@ moves the pose by at most half of the scale, times the difference of the angles 
 """
 
 REACH_TOLERANCE = 1e-10
-"""Distance beyond a boundary up to which a pose counts as on the boundary [m, or as a sine]."""
+"""Distance beyond the boundary of the workspace up to which a pose counts as reachable [m, or as a sine]."""
 
 TURN = 2.0 * math.pi
 
@@ -49,14 +49,15 @@ def wrist_angles(
     x, y, z = rest[:, 2]
     lean_sine = np.hypot(x, y)
     lean = np.arctan2(lean_sine, z)
-    # spherical triangle with sides alpha, beta and lean: both half-angle legs of the angle at axis 5
+    # spherical triangle with sides alpha, beta and lean: sine and cosine of half the angle at axis 5, times a
+    # common factor
     half, middle, difference = 0.5 * lean, 0.5 * (alpha + beta), 0.5 * (alpha - beta)
     sine = np.sin(middle + half) * np.sin(middle - half)
     cosine = np.sin(half + difference) * np.sin(half - difference)
     bendable = np.minimum(sine, cosine) >= -REACH_TOLERANCE * sin_a * sin_b
     t5 = 2.0 * np.arctan2(np.sqrt(np.maximum(sine, 0.0)), np.sqrt(np.maximum(cosine, 0.0)))
     sin5, cos5 = np.sin(t5), np.cos(t5)
-    # the direction of axis 6 seen along axis 4, before joint 4 turns
+    # the angle about axis 4 of the direction of axis 6, before joint 4 turns
     before = np.arctan2(-cos_a * sin_b * cos5 - sin_a * cos_b, sin_b * sin5)
     seen = np.arctan2(y, x)
     angles = np.empty((3, 2, *t5.shape))

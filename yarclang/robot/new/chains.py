@@ -18,16 +18,18 @@ FINGERS = re.compile(r"finger|gripper|thumb|knuckle|jaw|claw", re.IGNORECASE)
 """Pattern of joint names that belong to a hand, not to an arm."""
 
 LONGEST_HAND = 4
-"""If an arm splits and no branch has more joints than this, the branches are fingers."""
+"""Largest number of joints of a finger. If an arm splits and none of its branches has more joints, the
+branches count as fingers.
+"""
 
 MOST_ARMS = 3
-"""If an arm splits into more branches than this, they are fingers, however long they are."""
+"""If an arm splits into more branches than this, the branches count as fingers, however long they are."""
 
 DEEPEST = 100
 """The largest number of joints, fixed ones included, from the root to a tip."""
 
 SHORTEST_ARM = 3
-"""The least number of joints that an arm has before its branches may count as fingers."""
+"""Smallest number of joints before a split at which the branches may count as fingers."""
 
 HANDS = re.compile(
     r"gripper|robotiq|schunk|onrobot|finger|hand(?!le)|palm|wsg|suction|vacuum|cup|jaw|claw|torch|spindle"
@@ -37,8 +39,8 @@ HANDS = re.compile(
 """Pattern of names of links that are mounted on a flange, or are a second shape of the last link."""
 
 _FLANGE_NAMES = (r"(^|_)tool0$", r"(^|_)flange(_link|_frame)?$", r"flange", r"ee_link|link_ee|end_effector")
-"""Patterns of names of flanges, the best first. By REP 199, z of tool0 points out along the tool, as
-PICKPLACE and PALLET require; in flange, x does.
+"""Patterns of names of flanges, the best first. By REP 199, z of the link tool0 points out along the tool, as
+PICKPLACE and PALLET require; in the link flange, x points out along the tool.
 """
 
 _TCP_NAMES = (r"tcp|grasp|tool_tip",)
@@ -59,7 +61,7 @@ class ArmChain:
         ignored: the moving joints that aren't in the chain.
         fingers: ignored joints that move a gripper on the tip.
         followers: ignored joints that follow another joint by <mimic>: rods, counterweights.
-        left_out: joints with motors of their own, outside the chain, that form a limb as large as an arm.
+        left_out: joints outside the chain that have motors and form a limb as large as an arm.
     """
 
     base: str
@@ -80,22 +82,22 @@ class ArmChain:
         """
         names = f"{', '.join(self.left_out[:6])}{', ...' * (len(self.left_out) > 6)}"
         message = (
-            f"the chain from {self.base} to {self.flange} has {len(self.joints)} joints and leaves out "
-            f"{len(self.left_out)} that have motors of their own: {names}"
+            f"the chain from {self.base} to {self.flange} has {len(self.joints)} joints and omits "
+            f"{len(self.left_out)} joints with their own motors: {names}"
         )
         ends = f" (or {', '.join(self.other_tips[:4])})" if self.other_tips else ""
-        remedy = f"Say which arm is meant with --tip: {self.flange}{ends}, or a link further on."
+        remedy = f"Choose the arm with --tip: {self.flange}{ends}, or a later link."
         return Diagnostic("Y1365", message, source, help=remedy)
 
 
 def find_chain(urdf: Urdf, base: str | None = None, tip: str | None = None) -> ArmChain | Diagnostic:
     """Find the arm in a URDF: the longest serial chain of joints, or the chain between two links.
 
-    The chain leaves out joints after a link called tool0, which belong to a tool; joints whose names denote
-    fingers; joints on the tip that others mimic; and the branches into which an arm splits at its end. It
-    also leaves out a joint that mimics another one, but not the joint that is mimicked. If a mimicking joint
-    carries the rest of the arm, the chain is coupled, and only a finding about this is returned. Of several
-    chains with equally many joints, the first one of the file is chosen.
+    The chain leaves out five kinds of joints: joints after a link called tool0, which belong to a tool;
+    joints whose names denote fingers; joints on the tip that other joints mimic; the branches into which an
+    arm splits at its end; and joints that mimic another joint. If a mimicking joint carries the rest of the
+    arm, the arm's joints are coupled: the result is then a finding instead of a chain. Of several chains with
+    equally many joints, the first one of the file is chosen.
 
     Args:
         urdf: a URDF whose links form one tree.
@@ -108,14 +110,14 @@ def find_chain(urdf: Urdf, base: str | None = None, tip: str | None = None) -> A
         _, message, remedy, subject = lost[0]
         return Diagnostic("Y1347", message, urdf.source, help=remedy, subject=subject)
     if deepest := tree.deeper_than(DEEPEST):
-        message = f"link {deepest[:40]} hangs more than {DEEPEST} joints below the root"
-        return Diagnostic("Y1353", message, urdf.source, help="Keep the arm and what stands on it.")
+        message = f"link {deepest[:40]} is more than {DEEPEST} joints below the root"
+        return Diagnostic("Y1353", message, urdf.source, help="Keep only the arm and the bodies on it.")
     base_given = base is not None
     others: tuple[str, ...] = ()
     if tip is None:
         starts = [base] if base else tree.starts()
         paths = [path for start in starts for path in tree.arms(start)]
-        if not paths:  # perhaps there are only joints whose names denote fingers
+        if not paths:  # perhaps the names of all joints denote fingers
             tree = _Tree(urdf, None)
             paths = [path for start in starts for path in tree.arms(start)]
         longest = max((len(path) for path in paths), default=0)
@@ -139,15 +141,14 @@ def find_chain(urdf: Urdf, base: str | None = None, tip: str | None = None) -> A
     if not joints:
         message = f"no chain of moving joints leads from the base {base} to the tip {flange}"
         back = joints_between(urdf, flange, base)
-        remedy = "Exchange --base and --tip." if back else "Name a link above the tip with --base."
+        remedy = "Swap --base and --tip." if back else "Name a link above the tip with --base."
         return Diagnostic("Y1353", message, urdf.source, help=remedy)
     followed = (mimic_of(joint, tuple(urdf.joints.values())) for joint in joints)
     coupled = next((one for one in followed if one is not None), None)
     if coupled is not None:
         message = (
             f"joint {coupled.joint.name} is between the base {base} and the tip {flange} and follows "
-            f"another by <mimic>, "
-            f"{coupled.equation}: the chain is coupled"
+            f"another joint by <mimic>, {coupled.equation}"
         )
         remedy = f"Name a link above it with --tip {coupled.joint.parent}. {coupled.remedy(joints)}"
         return Diagnostic("Y1353", message, urdf.source, help=remedy)
@@ -194,9 +195,7 @@ class _Tree:
                 self.leaders[joint.name] = mimic.attributes.get("joint", "")
 
     def deeper_than(self, most: int) -> str:
-        """Return a link to which more than `most` joints lead from a root of the tree; empty if there is
-        none.
-        """
+        """Return a link that is more than `most` joints below a root of the tree; empty if there is none."""
         row = [link for link in self.below if link not in self.above]
         for _ in range(most + 1):
             row = [joint.child for link in row for joint in self.below[link]]
@@ -251,7 +250,7 @@ class _Tree:
 
     def limbs(self, inside: Collection[str], size: int) -> tuple[str, ...]:
         """Return the joints of limbs outside a chain of `size` joints, such as a second arm. A limb has at
-        least as many joints as the smallest arm, or as the chain.
+        least `SHORTEST_ARM` joints, or at least `size` joints if the chain is shorter than this.
         """
         paths = [path for start in self.starts() for path in self.arms(start)]
         outside = [[joint.name for joint in path if joint.name not in inside] for path in paths]
@@ -259,8 +258,8 @@ class _Tree:
         return tuple(dict.fromkeys(name for names in long for name in names))
 
     def driven_above(self, link: str) -> tuple[str, ...]:
-        """Return the joints with motors above a link, the root's first. There are some if a planar or
-        floating joint in the middle of an arm divides the arm into two.
+        """Return the joints with motors above a link, those nearest to the root first. If `link` is the arm's
+        base, these joints move the base, and only a planar or floating joint separates them from the arm.
         """
         joints = []
         while link in self.above:
@@ -286,8 +285,9 @@ class _Tree:
     def flange_of(self, link: str) -> tuple[str, tuple[str, ...]]:
         """Return the flange after the last moving link of a chain, and other links that could be the flange.
 
-        The flange is chosen by name. If no name fits, it is the only link that is fixed to the last moving
-        link, or else the last moving link itself.
+        The flange is chosen by name. If no name fits, the flange is the only link that is fixed to the last
+        moving link and doesn't belong to a hand. If there are several such links or none, the flange is the
+        last moving link.
         """
         body = self.body(link)
         named = _named(body, _FLANGE_NAMES)
@@ -335,8 +335,8 @@ class _Tree:
 
 
 def _named(links: Sequence[str], patterns: Sequence[str]) -> str:
-    """Return the first link whose name matches a pattern; patterns come in the order of preference. Empty if
-    no link matches any of them.
+    """Return the first link whose name matches a pattern; empty if no name matches. Patterns are tried in the
+    order of preference.
     """
     for pattern in patterns:
         for link in links:

@@ -1,9 +1,9 @@
 """Copy a URDF into a robot folder: its text, and the mesh files that it names.
 
 Collision meshes are required. It is an error if one is missing (`lookup.py`), isn't a mesh, or isn't from the
-URDF's package (`meshes.py`). If the user allows missing meshes, their <collision> elements are removed from
-the copy, so that the copy doesn't name a file that isn't there. Visual meshes are optional: a mesh that can't
-be copied is left out, and pictures show the collision shapes of its link.
+URDF's package (`meshes.py`). If the user allows missing meshes, the <collision> elements that name them are
+removed from the copy, so that the copy names only existing files. Visual meshes are optional: a mesh that
+can't be copied is left out, and pictures show the collision shapes of its link.
 """
 
 from __future__ import annotations
@@ -23,13 +23,15 @@ from yarclang.robot.urdf import Urdf
 from yarclang.robot.urdf_xml import Element
 
 MESHES = "meshes"
-"""The folder of the meshes beside the copy."""
+"""Name of the folder for meshes, beside the URDF's copy."""
 
 VISUALS = f"{MESHES}/visual"
-"""The folder of the visual meshes."""
+"""Name of the folder for visual meshes."""
 
 LARGE = 5_000_000
-"""Size of a collision mesh [bytes] above which only its hull is copied, since each command reads the file."""
+"""Size of a collision mesh [bytes] above which only its hull is copied, since the file is read each time the
+robot is read.
+"""
 
 LARGEST_VISUAL = 20_000_000
 """Largest visual mesh that is copied [bytes]. Pictures can't draw larger ones."""
@@ -44,7 +46,8 @@ class UrdfCopy:
         meshes: names in the robot folder and contents of the mesh files.
         without: links that lost a collision mesh, with the names of these meshes.
         unseen: names of visual meshes that weren't copied, with the reasons.
-        hulls: large collision meshes that were replaced by their convex hull; only the hull is used anyway.
+        hulls: large collision meshes that were replaced by their convex hull. The collision check of
+            a new robot uses only the hulls of meshes.
     """
 
     text: str
@@ -121,8 +124,8 @@ def _copy_visuals(
         urdf: a URDF whose links form one tree.
         lookup: object that finds the files.
         surroundings: the folders that meshes may come from.
-        collisions: content and name of each collision mesh; a file that is also a visual mesh isn't copied
-            twice.
+        collisions: contents and names of the collision meshes, by their paths. A visual mesh whose file is
+            among them isn't copied again.
         edits: start, end and new text of each change of the copy. Changes are added to it.
 
     Returns:
@@ -144,7 +147,7 @@ def _copy_visuals(
             content = _visual(name, path, surroundings)
             if isinstance(content, str) or size + len(content) > LARGEST_TOGETHER:
                 unseen[shown_name(name)] = (
-                    content if isinstance(content, str) else "is too much with the others"
+                    content if isinstance(content, str) else "makes the meshes too large together"
                 )
                 continue
             free = _free(path.name, {PurePosixPath(one).name for one in drawn})
@@ -184,7 +187,7 @@ def _content(urdf: Urdf, mesh: Element, path: Path, surroundings: Surroundings, 
     if not surroundings.has(name, path):
         message = f"The mesh {mesh_name} is outside the URDF's package and isn't copied."
         remedy = (
-            f"Put it beside the URDF, or, if the file is meant, allow its folder with --meshes "
+            "Put it beside the URDF, or, if this file is intended, allow its folder with --meshes "
             f"{shlex.quote(str(path.resolve().parent))}."
         )
         urdf.say("Y1364", message, remedy, mesh, "filename")
@@ -192,13 +195,17 @@ def _content(urdf: Urdf, mesh: Element, path: Path, surroundings: Surroundings, 
     try:
         content = read_mesh(path)
     except NoMeshError as error:
-        remedy = "Name a mesh that is one, or remove the <collision>."
+        remedy = "Name a mesh file, or remove the <collision>."
         urdf.say("Y1363", f"The mesh {mesh_name} {error}.", remedy, mesh, "filename")
         return b""
     except OSError as error:
         reason = reason_of(error)
         urdf.say(
-            "Y1302", f"The mesh {mesh_name} can't be read: {reason}.", "Check its rights.", mesh, "filename"
+            "Y1302",
+            f"The mesh {mesh_name} can't be read: {reason}.",
+            "Check its permissions.",
+            mesh,
+            "filename",
         )
         return b""
     if before + len(content) > LARGEST_TOGETHER:

@@ -50,7 +50,7 @@ class NewRobot:
         toml: text of robot.toml.
         urdf: the copy of the URDF with its meshes.
         arm: the URDF and its chain.
-        homes: joint positions that could be HOME, the best first. robot.toml has the first.
+        homes: joint positions that could be HOME, the best first; robot.toml contains the best one.
     """
 
     sketch: Sketch
@@ -66,7 +66,7 @@ class NewRobot:
 
 @frozen
 class Question:
-    """A question about a robot that only its maker can answer.
+    """A question about a value of a new robot that the URDF doesn't answer.
 
     Attributes:
         option: the command-line option that answers it.
@@ -115,23 +115,25 @@ def open_arm(path: Path, base: str | None, tip: str | None, source: SourceFile |
 
 
 _FORMATS = {
-    "mujoco": ("MJCF, MuJoCo's format", "Take the maker's URDF, from which MJCF files are mostly made."),
-    "sdf": ("SDF, Gazebo's format", "Take the maker's URDF, or the xacro from which the SDF was made."),
+    "mujoco": ("MJCF, MuJoCo's format", "Use the manufacturer's URDF, from which most MJCF files are made."),
+    "sdf": ("SDF, Gazebo's format", "Use the manufacturer's URDF, or the xacro from which the SDF was made."),
 }
 """Robot descriptions other than URDF, by their root element: the format, and what to do."""
 
 
 def _other_format(source: SourceFile) -> Diagnostic | None:
-    """Return the finding about a robot description in another format than URDF, or None."""
+    """Return the finding that a robot description has another format than URDF; None if it has not."""
     root = re.search(r"<([A-Za-z]+)", re.sub(r"<!--.*?-->", "", source.text[:10_000], flags=re.DOTALL))
     if root is None or root[1] not in _FORMATS:
         return None
     name, way = _FORMATS[root[1]]
-    return Diagnostic("Y1341", f"The file is {name}, and not a URDF.", source, Span.on_line(1, 1, 2), way)
+    return Diagnostic("Y1341", f"The file is {name}, not a URDF.", source, Span.on_line(1, 1, 2), way)
 
 
 def proposed_name(urdf: Urdf) -> str:
-    """Return the name of the URDF's robot in the form of a robot's name, or ROBOT."""
+    """Return the name of the URDF's robot, converted to the form that names have in robot.toml; ROBOT if the
+    URDF has no name.
+    """
     said = urdf.root.attributes.get("name", "") if urdf.root else ""
     name = re.sub(r"\W+", "_", said, flags=re.ASCII).strip("_").upper()
     name = f"R{name}" if re.match(r"\d", name) else name
@@ -139,8 +141,8 @@ def proposed_name(urdf: Urdf) -> str:
 
 
 def questions(arm: Arm, given: Given, named: bool, base: bool, tip: bool) -> tuple[Question, ...]:
-    """Return questions about unknown values of the robot. Questions on whose answers others depend come
-    first.
+    """Return questions about unknown values of the robot. If one question depends on the answer to another,
+    the other comes first.
 
     Args:
         arm: the URDF and its chain.
@@ -216,7 +218,7 @@ def make(
         given: the known values; all other values follow from rules.
         name: name of the robot.
         title: one line about the robot.
-        chosen: two flags: True if the user chose the base, and True if the user chose the tip.
+        chosen: two flags. The first is True if the user chose the base, the second if the user chose the tip.
         meshes: folders that meshes may come from, besides the URDF's own package.
         packages: folders with ROS packages that `package://` may name.
         partial: True to leave out missing collision meshes; otherwise they are an error.

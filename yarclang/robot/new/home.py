@@ -12,19 +12,21 @@ from yarclang.robot.new.sketch import Given, Said, Sketch
 from yarclang.units import DEG, MM
 
 TRIES = 1024
-"""Number of joint positions that are tried."""
+"""Number of joint positions that are tried as HOME."""
 
 ROUND = 5.0
-"""HOME has multiples of this [deg, mm] if the limits allow it."""
+"""HOME has multiples of this [deg, mm] if the limits allow them."""
 
 MOST = 128
-"""The largest number of positions that are proposed."""
+"""The largest number of joint positions that are proposed as HOME."""
 
 INNER = 0.8
-"""HOME stays within this share of each joint's range."""
+"""HOME stays within this middle fraction of each joint's range."""
 
 BENT = 0.6
-"""Least ratio of HOME's smallest singular value to a usual value of the arm (the upper quartile)."""
+"""Smallest singular value that a joint position needs to be HOME, relative to the upper quartile of all tried
+positions. Positions with smaller values are too near to a singularity.
+"""
 
 
 def homes(chain: Chain, sketch: Sketch, given: Given) -> tuple[Said, ...]:
@@ -61,12 +63,12 @@ def homes(chain: Chain, sketch: Sketch, given: Given) -> tuple[Said, ...]:
 
 
 STANDS = 0.9
-"""Largest share of each joint's effort that holding HOME may need, if any position allows it."""
+"""Largest fraction of each joint's effort limit that gravity may need at HOME, if any candidate allows it."""
 
 
 def standing(robot: Robot, positions: Array) -> Array:
-    """Return the share of each joint's effort limit that gravity needs at joint positions (K, n) [rad or m],
-    as (K, n); 0 if masses or efforts aren't known.
+    """Return the fraction (K, n) of each joint's effort limit that gravity needs at joint positions (K, n)
+    [rad or m]. The fraction is 0 if torques aren't checked, or if masses or efforts aren't known.
     """
     dynamics = robot.dynamics
     if dynamics is None or not dynamics.wanted or (dynamics.mass <= 0.0).any():
@@ -76,8 +78,8 @@ def standing(robot: Robot, positions: Array) -> Array:
 
 
 def _limits(sketch: Sketch, units: Array) -> Limits:
-    """Return joint limits with the position limits of a sketch (the values of a new robot.toml); all other
-    limits are placeholders.
+    """Return joint limits for a sketch (the values of a new robot.toml). Only the position limits are those
+    of the sketch; all other limits are placeholders.
     """
     ends = [joint.position.value if joint.position else (-np.inf, np.inf) for joint in sketch.joints]
     lower, upper = (np.array([end[side] for end in ends]) * units for side in (0, 1))

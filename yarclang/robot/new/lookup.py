@@ -1,8 +1,8 @@
 r"""Find the mesh files that a URDF names, and report those that are missing.
 
 A name from another computer (`C:\cad\link1.stl`, `file:///home/somebody/link1.stl`, `model://arm/link1.stl`)
-is looked for in the folders that the user names for meshes. The longest end of the name that is a file's path
-in one of these folders counts: `arm/link1.stl` before `link1.stl`.
+is looked for in the folders that the user names for meshes. The name is shortened from its start until the
+rest is the path of a file in one of these folders. `arm/link1.stl` is therefore found before `link1.stl`.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from yarclang.robot.urdf_shapes import mesh_path, mesh_places
 from yarclang.robot.urdf_xml import Element
 
 _SHOWN = 80
-"""Most characters of a file's name in a message."""
+"""Largest number of characters of a file's name in a message."""
 
 _DEEPEST = 32
-"""The largest number of folders at the end of a name that are compared."""
+"""The largest number of parts at the end of a name (folders and the file's name) that are compared."""
 
 
 @frozen
@@ -30,8 +30,8 @@ class Missing:
     """A collision mesh whose file is missing.
 
     Attributes:
-        link: the link that needs it.
-        name: its name in the URDF.
+        link: the link that needs the mesh.
+        name: the mesh's name in the URDF.
         element: the XML element that names it.
     """
 
@@ -118,14 +118,14 @@ class Lookup:
                 sentences[
                     f"The package {package} is {folder}."
                     if folder is not None
-                    else f"The package {package} was looked for in {self._folder}, above and beside it{also}."
+                    else f"The package {package} was searched in {self._folder}, above and beside it{also}."
                 ] = None
             elif url.scheme in ("http", "https"):
                 sentences["Nothing is downloaded."] = None
             elif self._is_empty(name):
                 sentences[f"{shown_name(name)} is empty."] = None
             elif url.scheme != "file" and not Path(name).is_absolute():
-                sentences[f"Names without package:// are seen from {self._folder}."] = None
+                sentences[f"Names without package:// are relative to {self._folder}."] = None
         return printable(" ".join(list(sentences)[:3]))
 
     def _is_empty(self, name: str) -> bool:
@@ -137,9 +137,9 @@ class Lookup:
 
 
 _REMEDY = (
-    "Give the folder with the package with --package-path FOLDER, or the folder with the meshes with "
-    "--meshes FOLDER; "
-    "--allow-missing-meshes makes the robot without them, and nothing sees what these links hit."
+    "Give the folder of the package by --package-path FOLDER, or the folder of the meshes by --meshes "
+    "FOLDER; --allow-missing-meshes makes the robot without them, and collisions of these links aren't "
+    "found."
 )
 
 

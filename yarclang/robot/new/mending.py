@@ -1,5 +1,5 @@
-"""Mend the text of a URDF from elsewhere before it is read, so that it meets yarclang's rules for the URDF of
-a robot.
+"""Mend the text of a user's URDF before it is read, so that it meets yarclang's rules for the URDF of a
+robot.
 
 Each change preserves the meaning or affects only pictures, and is reported.
 """
@@ -18,10 +18,11 @@ from yarclang.robot.urdf_xml import Element, UrdfText, parse_xml
 from yarclang.source import SourceFile
 
 PLACEHOLDER = 1.0
-"""Largest effort that counts as a placeholder if all joints have the same effort [N m or N]."""
+"""If all joints have the same effort, and it is no larger than this, it counts as a placeholder [N m or N].
+"""
 
 LARGE = 1e9
-"""Value that replaces an infinite limit [rad, m, or per s]."""
+"""Value that replaces an infinite limit [rad or m, or per s]."""
 
 _ENDLESS = re.compile(r"[+-]?(?:inf(?:inity)?|\d(?:\.\d*)?e\+?[1-9]\d{1,2})", re.IGNORECASE | re.ASCII)
 _NUMBERS = re.compile(r"""\s(?:xyz|rpy|size|scale|rgba)\s*=\s*(?:"[^"<]*"|'[^'<]*')""")
@@ -81,8 +82,8 @@ def mend(source: SourceFile) -> Mended:
 
 
 def _unwrapped(text: str) -> tuple[str, int]:
-    """Return a URDF's text in which lists of numbers have blanks in place of tabs and line breaks, and the
-    number of lists changed. To XML, both texts are equal.
+    """Return a URDF's text with tabs and line breaks in lists of numbers replaced by blanks, and how many
+    lists were changed. XML makes no difference between these characters.
     """
     count = 0
 
@@ -130,8 +131,8 @@ def _rename(edits: Edits, place: Element, attribute: str, new: dict[str, str]) -
 
 
 def _limits(edits: Edits, root: Element) -> None:
-    """Replace joint limits that are infinite, or larger than any number of a URDF may be: efforts by 0, all
-    others by a large number. All of these mean that there is no limit, or that it isn't known.
+    """Replace joint limits that are infinite, or larger than numbers in a URDF may be: efforts by 0, all
+    other limits by a large number. Both mean that there is no limit, or that it isn't known.
     """
     count = 0
     for joint in root.all("joint"):
@@ -141,7 +142,7 @@ def _limits(edits: Edits, root: Element) -> None:
                     large = -LARGE if value.startswith("-") else LARGE
                     edits.put(limit, key, "0" if key == "effort" else f"{large:g}")
                     count += 1
-    edits.count(count, "limits without an end, such as inf, count as unknown")
+    edits.count(count, "infinite limits are taken as unknown")
 
 
 def _efforts(edits: Edits, root: Element) -> None:

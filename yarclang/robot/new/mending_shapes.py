@@ -1,4 +1,4 @@
-"""Mend shapes and colours in URDFs from elsewhere that no reader of URDFs accepts. No collision shape becomes
+"""Mend shapes and colours that no reader of URDFs accepts, in the URDF of a user. No collision shape becomes
 smaller.
 """
 
@@ -9,9 +9,7 @@ from yarclang.robot.new.numbers import numbers
 from yarclang.robot.urdf_xml import Element
 
 THIN = 1e-3
-"""Length that replaces a side of 0 of a collision shape [m]; the shape becomes larger by this, never
-smaller.
-"""
+"""Length that replaces a dimension of 0 of a collision shape [m]. The shape becomes larger, never smaller."""
 
 _SIZES = {
     "box": ("size",),
@@ -22,8 +20,9 @@ _SIZES = {
 
 
 def mend_shapes(edits: Edits, root: Element) -> None:
-    """Remove visual shapes that show nothing, and give flat collision shapes a thickness. If the URDF has
-    capsules, change its version number to that of the format version that has capsules.
+    """Remove visual shapes that show nothing and collision shapes whose dimensions are all 0. Give other flat
+    collision shapes a thickness. If the URDF has capsules, set its version number to that of the first
+    version of the format with capsules.
     """
     bodies = [body for link in root.all("link") for body in (*link.all("visual"), *link.all("collision"))]
     removed = thick = broken = capsules = 0
@@ -44,14 +43,14 @@ def mend_shapes(edits: Edits, root: Element) -> None:
         for key, one in sizes.items():
             edits.put(shape, key, " ".join(f"{max(size, THIN):.12g}" for size in one))
         thick += 1
-    edits.count(removed, "shapes without a size, which show and hit nothing, are left out")
-    edits.count(broken, "pictures without a shape are left out")
+    edits.count(removed, "shapes without a size are left out")
+    edits.count(broken, "visuals without a shape are left out")
     edits.count(thick, f"collision shapes with a side of 0 are {THIN * 1e3:g} mm thick there")
     if capsules and root.attributes.get("version", "1.0") == "1.0":
         edits.put(root, "version", "1.1")
         edits.notes.append(
-            f"{capsules} capsules count, which readers drop from a URDF of version 1.0: the copy has "
-            f"version 1.1"
+            f"{capsules} capsules are kept by giving the copy version 1.1: readers ignore them in a URDF "
+            "of version 1.0"
         )
 
 
@@ -64,9 +63,8 @@ def _shows_nothing(shape: Element | None) -> bool:
 
 
 def mend_materials(edits: Edits, root: Element) -> None:
-    """Remove <material> elements that no reader of URDFs accepts, and convert colours from the range 0 to 255
-    to 0 to
-    1. Only pictures change.
+    """Remove <material> elements that no reader of URDFs accepts. Convert colours whose components range from
+    0 to 255 to components from 0 to 1. These changes affect only pictures.
     """
     removed = bright = 0
     known: set[str] = set()
@@ -90,5 +88,5 @@ def mend_materials(edits: Edits, root: Element) -> None:
                 " ".join(f"{part:.4g}" for part in (*(one / 255.0 for one in parts[:3]), alpha)),
             )
             bright += 1
-    edits.count(removed, "materials that are there twice or have no name are left out")
-    edits.count(bright, "colours from 0 to 255 are from 0 to 1 in the copy")
+    edits.count(removed, "materials that are repeated or have no name are left out")
+    edits.count(bright, "colours from 0 to 255 are converted to 0 to 1")

@@ -2,8 +2,8 @@
 and from folders that the user names.
 
 A URDF from elsewhere may name any file of this computer, and the robot folder that is created from it may be
-given away. A file therefore counts as a mesh only if its whole content shows it, and the bytes that were
-checked are the bytes that are copied.
+given away. A file therefore counts as a mesh only if its whole content has the form of a mesh. The bytes that
+were checked are the bytes that are copied.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from yarclang.robot.new.packages import PACKAGE, Packages, package_of
 from yarclang.toml.bodies import MESHES
 
 _ORDINARY = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_CLOEXEC", 0)
-"""Flags for opening an ordinary file; some systems lack two of them."""
+"""Flags for opening an ordinary file. Two of these flags don't exist on all systems."""
 LARGEST = 100_000_000
 """Largest mesh file [bytes]."""
 
@@ -31,7 +31,7 @@ LARGEST_TOGETHER = 500_000_000
 """Largest sum of all mesh files of a robot [bytes]."""
 
 _BESIDE = {"urdf", "urdfs", "robot", "robots", "xacro", "model", "models"}
-"""Names of folders with URDFs whose meshes are in a folder beside them."""
+"""Names of folders for URDFs whose meshes are in another folder beside the URDF's folder."""
 
 _NUMBER = rb"[-+0-9.#a-z()]+"
 _SPACE = rb"[ \t\r\f\v]"
@@ -71,19 +71,21 @@ def read_mesh(path: Path) -> bytes:
     if kind not in MESHES:
         raise NoMeshError(f"doesn't end in {', '.join(MESHES[:-1])} or {MESHES[-1]}")
     if not path.is_file():  # opening a pipe would wait for a writer, and opening some devices has effects
-        raise NoMeshError("is no ordinary file")
+        raise NoMeshError("isn't a regular file")
     handle = os.open(path, _ORDINARY)
     with os.fdopen(handle, "rb") as file:
         found = os.fstat(handle)
         if not stat.S_ISREG(found.st_mode):
-            raise NoMeshError("is no ordinary file")
+            raise NoMeshError("isn't a regular file")
         if found.st_size > LARGEST:
             raise NoMeshError(f"has {found.st_size:,} bytes, more than {LARGEST:,}")
         content = file.read(LARGEST + 1)
     if len(content) > LARGEST:
         raise NoMeshError(f"has more than {LARGEST:,} bytes")
     if not _LOOKS[kind](content):
-        raise NoMeshError(f"ends in {path.suffix}, but its content is something else{_damage(kind, content)}")
+        raise NoMeshError(
+            f"ends in {path.suffix}, but its content has another format{_damage(kind, content)}"
+        )
     if fault := mesh_fault(kind, content):
         raise NoMeshError(fault)
     return content
@@ -118,8 +120,9 @@ def _damage(kind: str, content: bytes) -> str:
 class Surroundings:
     """The folders that a URDF's meshes may come from.
 
-    These are the URDF's folder; the folder above it, if the URDF's folder is called urdf or similar; the ROS
-    package of the URDF; ROS packages that `package://` names; and folders that the user names.
+    These are the URDF's folder, the ROS package of the URDF, ROS packages that `package://` names, and
+    folders that the user names. If the URDF's folder is called urdf or similar, the folder above it counts as
+    well.
 
     Args:
         urdf: the URDF's file. If it is a symbolic link, the package of its target counts as well.

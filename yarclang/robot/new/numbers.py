@@ -8,7 +8,9 @@ _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 
 
 def numbers(text: str) -> tuple[float, ...]:
-    """Return the numbers in a text, separated by blanks, up to the first word that isn't a number."""
+    """Return the numbers at the beginning of a text, which blanks separate, up to the first word that isn't a
+    number.
+    """
     values = []
     for part in text.split():
         if not _NUMBER.fullmatch(part):

@@ -65,8 +65,8 @@ class Packages:
 
 
 def package_of(filename: str) -> str:
-    """Return the package that a mesh's `package://` name begins with, even after three slashes; empty for
-    other names.
+    """Return the package that a mesh's `package://` name begins with, also if it is written with three
+    slashes; empty for other names.
     """
     url = urlparse(filename)
     if url.scheme != "package":

@@ -156,7 +156,7 @@ def sketch(
         given: the values that the user gives; its tuples have one entry, or one for each joint.
         names: the robot's name, its title, the name of the URDF's copy, and the file from which it is
             created.
-        chosen: two flags: True if the user chose the base, and True if the user chose the tip.
+        chosen: two flags. The first is True if the user chose the base, the second if the user chose the tip.
     """
     size = len(chain.joints)
     joints = tuple(_joint(joint, at, size, given) for at, joint in enumerate(chain.joints))
@@ -264,8 +264,9 @@ def _one_from_user(values: Sequence[float] | None, at: int, size: int) -> Said |
 
 
 def _rounded_down(value: float) -> float:
-    """Round a limit down to a multiple of 1e-6, so that it never allows more. A value within 1e-9 of one with
-    four decimals is rounded to that value: the difference is an error of the unit's conversion.
+    """Round a limit down to a multiple of 1e-6, so that it never allows more. A value within 1e-9 of a number
+    with four decimals is rounded to this number instead: so small a difference comes from the conversion of
+    units.
     """
     near = round(value, 4)
     return near if abs(value - near) < 1e-9 * max(1.0, abs(value)) else math.floor(value * 1e6) / 1e6

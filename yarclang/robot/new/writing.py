@@ -16,7 +16,8 @@ MARK = "guess:"
 """Start of the comment of a value that has to be checked. The user deletes the comment after the check."""
 
 MARKED = re.compile(r"^(?!\s*#)(.*?)\s*#.*?\bguess:\s*(.*)$")
-"""Matches a line with the mark after a value: the value, and the guess."""
+"""Pattern of a line with the mark. Its groups are the text before the comment, and the reason for the guess.
+"""
 
 _HEAD = """\
 # {name}, made by yarc robot new from {made_from}.
@@ -118,8 +119,8 @@ def _kind() -> Kind:
 
 
 def collision_table(pairs: Sequence[tuple[tuple[str, str], str]]) -> str:
-    """Return the table [collision] for the end of a robot.toml. It allows pairs of bodies to touch, each with
-    the reason; empty if there are no pairs.
+    """Return the table [collision] for the end of a robot.toml; empty if `pairs` is empty. The table allows
+    each of these pairs of bodies to touch, and states the reason.
     """
     if not pairs:
         return ""
@@ -140,8 +141,8 @@ def collision_table(pairs: Sequence[tuple[tuple[str, str], str]]) -> str:
 
 
 def guesses(text: str) -> tuple[tuple[int, str, str], ...]:
-    """Return the guesses that are still marked in a robot.toml: for each one the line number, the text of the
-    line before its comment, and the reason for the guess.
+    """Return the guesses that are marked in a robot.toml and so haven't been checked: for each one the line
+    number, the text of the line before its comment, and the reason for the guess.
     """
     found = ((number, MARKED.match(line)) for number, line in enumerate(text.splitlines(), 1))
     return tuple((number, match[1].strip(), match[2].strip()) for number, match in found if match)
@@ -169,8 +170,8 @@ def _joint(joint: JointSketch) -> list[str]:
 
 
 def _ramps(joints: Sequence[JointSketch]) -> list[str]:
-    """Return the lines of the table [ramps], which serves joints without an acceleration or jerk limit of
-    their own; empty if all joints have them.
+    """Return the lines of the table [ramps], which gives the limits of acceleration and jerk for joints
+    without such limits; empty if all joints have both limits.
     """
     lines = []
     if any(joint.acceleration is None for joint in joints):

@@ -54,19 +54,23 @@ __all__ = [
 SUCCEEDED, ABORTED, CANCELED = "succeeded", "aborted", "canceled"
 
 GOAL_TOLERANCE = {"deg": 0.01, "mm": 0.001}
-"""Default of the largest distance of a joint from the last point at the end [rad], [m]."""
+"""Default goal tolerance: largest distance of a joint from its position in the goal's last point, by the
+joint's unit: 0.01 rad for "deg", 0.001 m for "mm".
+"""
 
 SETTLING = 2.0
-"""Default of the time in which the joints must arrive after the end of the program [s]."""
+"""Default goal time tolerance: time after the end of the program in which the joints must arrive at the
+goal's last point [s].
+"""
 
 STEP = 0.05
-"""Assumed step between two program times that the coordinator reports [s], until two reports have arrived.
-The program time grows in steps of one or several segments.
+"""Step by which the program time in the coordinator's reports grows [s], as assumed until two reports have
+arrived. The real step is the duration of one or several segments.
 """
 
 BEHIND, AHEAD = 1.5, 2.5
-"""Number of these steps by which the joints may be behind or ahead of the reported program time, because the
-controller is asked for the joints and for the time one after the other.
+"""Largest delay and largest lead of the joints relative to the reported program time, in steps of the program
+time (see `STEP`). The two differ because the controller reports joints and time one after the other.
 """
 
 
@@ -95,7 +99,8 @@ class Ready:
         track: planned path over time, with joints in the robot's order; None if the robot is already at its
             end.
         lead: duration of the motion from the robot's position to the goal's first point [s].
-        course: this motion to the first point, as pairs (program time [s], joint positions [rad or m]).
+        course: samples of the motion to the goal's first point, as pairs (program time [s], joint positions
+            [rad or m]).
     """
 
     track: Track | None
@@ -231,7 +236,7 @@ class TrajectoryAction:
         return None if self._current is None else self._current.due
 
     def plans(self, number: int) -> bool:
-        """Return True if the goal with this number is being planned and hasn't ended meanwhile."""
+        """Return True if the planning of the goal with this number is in progress and still wanted."""
         current = self._current
         return current is not None and current.number == number and current.phase == "planning"
 
@@ -285,7 +290,7 @@ class TrajectoryAction:
 
     def planned(self, number: int, made: Ready | Result, now: float) -> list[Action]:
         """Handle the end of planning, with the planned goal, or with a `Result` if planning has failed. A
-        goal that has ended meanwhile isn't run.
+        goal that has ended during planning isn't run.
         """
         current = self._current
         if current is None or not self.plans(number):
@@ -463,7 +468,7 @@ class TrajectoryAction:
         last = self._last(current)
         limits = self._tolerances(current.goal).goal
         if all(abs(a - b) <= limit for a, b, limit in zip(last, actual.positions, limits)):
-            note = "the robot stood there already" if ready.track is None else ""
+            note = "the robot was there already" if ready.track is None else ""
             if current.late > 0.1:
                 note = f"it began {current.late:.2f} s later than its stamp says, since planning took so long"
             return self._end((SUCCEEDED, Result(SUCCESSFUL, note)))

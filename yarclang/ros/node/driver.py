@@ -57,7 +57,9 @@ _RESTS = 5.0
 """Longest wait of `close` for the robot to rest [s]."""
 
 _MOST_WAITING = 256
-"""Most calls that wait for a shell that blocks. Further positions are dropped."""
+"""Largest number of calls that wait until the shell has processed earlier ones. While so many calls wait, new
+positions and new feedback are dropped.
+"""
 
 _STANDS = {"deg": 0.002, "mm": 0.0005}
 """Speed below which a joint counts as resting [rad/s, m/s], by the joint's unit. A position that alternates
@@ -65,8 +67,8 @@ between two counts isn't a motion.
 """
 
 _COURSE, _LEAD_COURSE = 200, 2000
-"""Numbers of samples of a planned motion for feedback: without and with a motion to the goal's first
-point.
+"""Numbers of samples of a planned motion for feedback. The first is used if the robot is at the goal's first
+point, the second if the motion leads to this point first.
 """
 
 _UNKNOWN, _NO, _YES = -1, 0, 1
@@ -123,7 +125,7 @@ class Shell(Protocol):
     """
 
     def accepted(self, goal_id: str) -> None:
-        """Handle that a goal is being planned, or will be planned when the robot rests."""
+        """Handle the acceptance of a goal: it is being planned, or will be planned when the robot rests."""
 
     def feedback(self, goal_id: str, feedback: Feedback) -> None:
         """Publish the progress of a goal."""
@@ -193,7 +195,7 @@ class _Seen:
     """Last known state of the robot.
 
     Attributes:
-        heard: time at which the joints were in the state `moment`, by the coordinator's clock [s].
+        heard: time by the coordinator's clock at which the joints were in the state `moment` [s].
     """
 
     state: str = "disconnected"
@@ -290,7 +292,9 @@ class Driver:
             return rejected
 
     def cancel(self, goal_id: str | None = None) -> None:
-        """Cancel a goal, or any goal (None). It ends as "canceled" when the robot rests."""
+        """Cancel the goal with a given id, or all goals (None). A goal that moves the robot ends as
+        "canceled" when the robot rests.
+        """
         with self._lock:
             self._do(self._action.cancel(goal_id))
 
@@ -321,7 +325,7 @@ class Driver:
         the reply. While the robot has no owner, the override applies to the next goal.
         """
         if not 1.0 <= percent <= 100.0:
-            return False, f"{percent:g} % is no pace: it goes from 1 to 100 %"
+            return False, f"{percent:g} % is no valid override: it is 1 to 100 %"
         with self._lock:
             if self._link is not None and not self._seen.owner:
                 self._pace = percent
@@ -367,8 +371,8 @@ class Driver:
                 thread.join(_RESTS)
 
     def _ordered(self, order: str, **fields: Any) -> tuple[bool, str]:
-        """Give an order that every client may give. It uses a connection of its own, so that it doesn't
-        wait for other orders.
+        """Give an order that every client may give. The order has its own connection, so that it doesn't wait
+        for other orders.
         """
         try:
             with Robot(self._path(), name=None) as robot:
@@ -419,8 +423,8 @@ class Driver:
         self._tell_status()
 
     def _send_own(self, plan: Plan) -> None:
-        """Order the ownership of the robot before a goal is planned. So a stop that comes during planning
-        also prevents the motion of the goal.
+        """Send the order `own` before a goal is planned. The later order to run the goal is refused if a stop
+        has come after `own`. So a stop during planning also prevents the motion.
         """
         if self._link is None:
             return
@@ -477,7 +481,7 @@ class Driver:
             try:
                 call()
             except Exception:
-                _LOG.exception("the ROS side has failed")
+                _LOG.exception("the ROS node has failed")
 
     # connections
 
@@ -541,7 +545,9 @@ class Driver:
 
     @contextlib.contextmanager
     def _losing(self, link: _Link) -> Iterator[None]:
-        """Close a connection if its process has ended, hangs, or sends an unknown reply."""
+        """Close the connection if, during the context, its process ends, hangs, refuses an order or sends an
+        unknown reply.
+        """
         try:
             yield
         except (Gone, TimeoutError) as error:
@@ -549,8 +555,8 @@ class Driver:
         except Refused as refused:
             self._lose(link, _said(refused))
         except Exception as error:
-            _LOG.exception("what was heard can't be used")
-            self._lose(link, f"what was heard can't be used: {error!r}")
+            _LOG.exception("a received message can't be used")
+            self._lose(link, f"a received message can't be used: {error!r}")
 
     def _try_again(self) -> None:
         for which in dict.fromkeys((self._which, self._anew())):
@@ -567,7 +573,9 @@ class Driver:
             return
 
     def _anew(self) -> str | int | None:
-        """Return the socket of the process that serves the same robot in the same folder now."""
+        """Return the socket of the process that now serves the same robot in the same folder. If there isn't
+        exactly one such process, return `which` as it was given to the driver.
+        """
         folder, robot = os.path.dirname(self._last), _robot_of(self._last)  # noqa: PTH120
         there = [one.path for one in find(folder) if one.robot == robot]
         return there[0] if len(there) == 1 else self._which
@@ -591,7 +599,7 @@ class Driver:
     # time
 
     def _keep_time(self) -> None:
-        """Call the action when its next timeout is due."""
+        """Call `passed` of the action whenever a timeout of the action is due."""
         with self._lock:
             while not self._closing:
                 due = self._action.due
@@ -647,8 +655,8 @@ class Driver:
     def _prepared(
         self, link: _Link, plan: Plan
     ) -> tuple[Ready | Result, int | None, list[tuple[float, Values]]]:
-        """Plan a goal. Return three values: the planned goal or the reason of the failure, the number of the
-        goal's program (None if there is none), and samples of the planned motion.
+        """Plan a goal. Return three values: the planned goal or the reason of the failure; the number of the
+        goal's program, or None without a program; and samples of the planned motion.
 
         Raises:
             Refused: another client owns the robot, or is moving it.
@@ -714,7 +722,7 @@ class Driver:
 
     def _send_release(self, link: _Link) -> int:
         """Send the order to release the robot, and return the order's number. The caller holds the lock, so
-        that the next goal's order `own` is sent after it.
+        that the next goal's order `own` is sent after this one.
         """
         self._owns = False
         return link.orders.order("release")
@@ -841,7 +849,7 @@ def _why(ended: dict[str, Any]) -> str:
 
 
 def _refused(findings: Sequence[dict[str, Any]]) -> Result:
-    """Return the first error that prevents a goal's program as the result of the aborted goal."""
+    """Convert the first error of a goal's program to the result of the goal, which is aborted."""
     for one in findings:
         if one["severity"] == "error":
             return Result(INVALID_GOAL, _worded(one["code"], one["message"], one["help"] or ""))

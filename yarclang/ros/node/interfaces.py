@@ -3,7 +3,7 @@ control_msgs and industrial_msgs.
 
 ROS 1 identifies a type by its name and the md5 sum of its fields. Both depend only on field names and types,
 so nodes with these classes can talk to nodes that were built with the packages. Debian has ROS 1 without the
-packages. Noetic's own repository has both; there the packages are used.
+packages. Noetic's own repository has both packages; on systems with them, the packages' classes are used.
 
 Written for Python 3.8 and later.
 """
@@ -160,7 +160,7 @@ def _installed(module: str) -> Any:
 
 
 class _Made:
-    """The classes made from `_TEXTS`, each as an attribute whose name has no package."""
+    """The classes made from `_TEXTS`. Each is an attribute, named like the class but without its package."""
 
     def __init__(self) -> None:
         dynamic = importlib.import_module("genpy.dynamic")

@@ -172,7 +172,7 @@ def _in_turn(links: list[str], joints: list[_Joint]) -> Tuple[_Joint, ...]:
             found.append(joint)
             todo.append(joint.child)
     if len(found) != len(joints) or len(children) != len(joints) or not children <= set(links):
-        raise ValueError("the links and joints of the robot's description make no tree")
+        raise ValueError("the links and joints of the robot's description don't form a tree")
     return tuple(found)
 
 
@@ -274,7 +274,7 @@ def _numbers(one: ET.Element, key: str, count: int) -> list[float]:
         found = []
     if len(found) != count or not all(map(math.isfinite, found)):
         said = f"{key}={text[:60]!r} of <{one.tag}>"
-        raise ValueError(f"the robot's description has {said} where {count} numbers are to be")
+        raise ValueError(f"the robot's description has {said} instead of {count} numbers")
     return found
 
 

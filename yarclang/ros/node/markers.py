@@ -35,9 +35,9 @@ ADD, DELETE_ALL = 0, 3
 """Actions of visualization_msgs/Marker."""
 
 MOST_POINTS = 500
-"""Most points of the tool's drawn path."""
+"""Largest number of points of the tool's drawn path."""
 MOST_NAMES = 200
-"""Most names that are drawn. More names would cover the picture."""
+"""Largest number of names that are drawn. More names would cover the picture."""
 
 BODY: Colour = (150 / 255, 160 / 255, 150 / 255, 1.0)
 CARRIED: Colour = (92 / 255, 110 / 255, 140 / 255, 1.0)
@@ -61,7 +61,9 @@ _LETTERS = 0.06
 _WIDTH = 0.008
 """Width of the tool's path [m]."""
 _SEEN = 1e-4
-"""Largest difference between two poses of a link that are drawn as one [m, or rad]."""
+"""Largest difference between the first and the last pose of a link in a planned motion at which no
+transparent copy of the link is drawn [m, or rad].
+"""
 _SHAFT: Vector = (0.25, 0.015, 0.03)
 """Length and widths of the arrow that points to the allowed side of a half space [m]."""
 
@@ -131,7 +133,7 @@ def ghost_markers(
     kinematics: Kinematics, tool: str, joints: Sequence[str], course: Sequence[Sequence[float]]
 ) -> Tuple[Marker, ...]:
     """Return the markers of the planned motion: the path of a link's origin as a line, and transparent copies
-    of the links that end in another pose than they began.
+    of links in their last poses. A link whose last pose equals its first one has no copy.
 
     Args:
         kinematics: kinematics of the robot.
@@ -168,8 +170,8 @@ def ghost_markers(
 
 
 def _differ(one: Pose, other: Pose) -> bool:
-    """Return True if two poses of a link differ visibly. If they don't, a second drawing of the link would
-    only cover the first.
+    """Return True if two poses of a link differ visibly. If they don't, a copy of the link in the second pose
+    would only cover the link in the first pose.
     """
     return any(abs(a - b) > _SEEN for pair in zip(one, other) for a, b in zip(*pair))
 
@@ -217,7 +219,7 @@ def _item(item: Mapping[str, Any], with_name: bool) -> Iterator[Marker]:
 
 def _corner(pose: Pose) -> Pose:
     """Return the pose at which a half space's name and arrow are drawn: the upper corner of the drawn part of
-    its border plane. The robot often stands at the plane's origin.
+    its border plane. The plane's origin isn't used, because the robot often stands there.
     """
     half = 0.45 * _PLANE
     corners = [times(pose, placed((x, y, 0.0))) for x in (-half, half) for y in (-half, half)]
@@ -268,7 +270,7 @@ def _shape(namespace: str, frame: str, shape: Shape, pose: Pose, colour: Colour)
 
 
 def _height(shape: Shape, pose: Pose) -> float:
-    """Return the height of a shape's top above the shape's origin [m], for a shape in a given pose; 0 for a
+    """Return the height of the top of a shape in a given pose above the shape's origin [m]. Return 0 for a
     mesh, because its extent isn't known here.
     """
     if shape.type == "mesh":

@@ -54,8 +54,8 @@ class Master:
             return False
 
     def knows_node(self) -> bool:
-        """Return True if the master knows a node of this name: this node, or another one that has replaced
-        it. This node must not replace the other one in turn.
+        """Return True if the master knows a node of this name. It may be another node that has replaced this
+        one; then this node must not register again.
         """
         return bool(_call(self.address, "lookupNode", self._node, self._node)[0] == 1)
 
@@ -77,7 +77,7 @@ def _call(address: str, name: str, *values: Any) -> Any:
     with xmlrpc.client.ServerProxy(address, transport=_Patient()) as server:
         answer = getattr(server, name)(*values)
     if not isinstance(answer, list) or len(answer) != 3:
-        raise xmlrpc.client.ResponseError(f"{name} is answered by something that is no ROS node")
+        raise xmlrpc.client.ResponseError(f"{name} is registered by something that isn't a ROS node")
     return answer
 
 

@@ -68,7 +68,7 @@ def main() -> int:
             while not over.wait(0.2) and not rospy.is_shutdown():
                 pass
         if not node.close():
-            os._exit(0)  # Python would wait for rospy
+            os._exit(0)  # a normal exit would wait for rospy
     except (ValueError, Refused) as error:
         rospy.logfatal("%s", said(error))
         return 1

@@ -1,9 +1,9 @@
 """The rospy side of the driver: action, topics, services and parameters of the ROS 1 node.
 
-Messages of the driver go through a queue and are published by one thread. Therefore the driver never waits
-for ROS, and actionlib's lock, which is held while a goal arrives, never waits for the driver. Log lines for
-the user are written by another thread, because rospy calls the master for each line. So positions and results
-are still published if the master hangs.
+Messages of the driver go through a queue and are published by one thread, so the driver never waits for ROS.
+actionlib holds its lock while it passes a goal to this module; since the driver doesn't need this lock, the
+two never wait for each other. Log lines for the user are written by another thread, because rospy calls the
+master for each line. So positions and results are still published if the master hangs.
 
 Written for Python 3.8 and later.
 """
@@ -55,8 +55,8 @@ contain it as well.
 """
 
 _BACKLOG = 500
-"""Most messages that wait for ROS. Further positions and feedback are dropped; ends of goals are never
-dropped.
+"""Largest number of messages that wait for ROS. Further positions and feedback are dropped; ends of goals are
+never dropped.
 """
 
 _ASKED_EACH = 1.0
@@ -71,7 +71,7 @@ _UNREGISTERS = 2.0
 _UNHEARD = Status(-1, -1, -1, 0, -1, 1, 0, "no robot is connected")
 
 _FAILED = (Gone, Refused, TimeoutError)
-"""Exceptions of an order to the robot that isn't carried out."""
+"""Exceptions that are raised if an order to the robot isn't carried out."""
 
 
 @dataclass(frozen=True)
@@ -161,7 +161,7 @@ class Node:
     # life
 
     def connect(self, ended: threading.Event) -> bool:
-        """Connect to the robot as soon as it is served. Return False if the node has been ended before.
+        """Connect to the robot as soon as it is served. Return False if the node is ended first.
 
         Raises:
             yarclang.client.Refused: the connection was denied, and would be denied again.
@@ -267,8 +267,8 @@ class Node:
         log = {"info": rospy.loginfo, "warn": rospy.logwarn}.get(level, rospy.logerr)
 
         def tell() -> None:
-            # rospy calls the master for each line. After the end, this call would shut down a node that has
-            # replaced this one.
+            # rospy calls the master for each line. If another node of the same name has replaced this one,
+            # a call after this node's end would shut down the other node.
             if rospy.is_shutdown():
                 sys.stderr.write(f"{text}\n")
             else:
@@ -352,8 +352,8 @@ class Node:
         return refused is None
 
     def _blame(self, code: int) -> None:
-        """Show in robot_status, until the next goal, that a trajectory from a topic was refused: a topic
-        has no reply.
+        """Show in robot_status that a trajectory from a topic was refused, because a topic has no reply. The
+        error is shown until the next goal.
         """
         self._refused = code
         self._tell(self._status)
@@ -422,7 +422,7 @@ class Node:
                 self._tell_once("master", text)
 
     def _follow(self) -> None:
-        """Publish the robot's description, and the drawings of its cell and its planned motion, again."""
+        """Publish the robot's description and the drawings of its cell and its planned motion once more."""
         works = {"robot_description": self._describe, "scene": self._draw_scene, "ghost": self._draw_ghost}
         for what, work in works.items():
             try:
@@ -503,7 +503,7 @@ def _registered() -> Registered:
 
 
 def _trigger(order: Callable[[], Tuple[bool, str]]) -> Callable[[Any], Any]:
-    """Return the handler of a service, which gives an order and returns the reply."""
+    """Return a handler for a service. The handler gives an order and returns the reply."""
 
     def handle(_request: Any) -> Any:
         done, text = order()

@@ -54,8 +54,8 @@ def goal_of(goal: Any, now: Any) -> Goal:
 
 
 def multi_dof_joints(goal: Any) -> Tuple[str, ...]:
-    """Return the names of the planar and floating joints of a goal. No robot of yarclang has such joints.
-    Older distributions have no field for them.
+    """Return the names of the planar and floating joints of a goal. No robot of yarclang has such joints. In
+    older distributions of ROS 2, goals have no field for them.
     """
     trajectory = getattr(goal, "multi_dof_trajectory", None)
     return () if trajectory is None else tuple(trajectory.joint_names)

@@ -52,7 +52,7 @@ _LAST_WORDS = 0.2
 _UNHEARD = Status(-1, -1, -1, 0, -1, 1, 0, "no robot is connected")
 
 _FAILED = (Gone, Refused, TimeoutError)
-"""Exceptions of an order to the robot that isn't carried out."""
+"""Exceptions that are raised if an order to the robot isn't carried out."""
 
 _TRIED_EACH = 1.0
 """Time between two attempts to find a robot that isn't served [s]."""
@@ -119,8 +119,8 @@ class Node:
     # life
 
     def connect(self, over: threading.Event) -> bool:
-        """Connect to the robot as soon as it is served. Return False if the node is ended (`over` is set)
-        before.
+        """Connect to the robot as soon as it is served. Return False if the node is ended first (`over` is
+        set).
 
         Raises:
             yarclang.client.Refused: the connection was denied, and would be denied again.
@@ -170,7 +170,7 @@ class Node:
             raise ValueError(
                 f"the parameter action is {self._action!r}, no name for an action: {error}"
             ) from None
-        del server  # the node keeps it
+        del server  # the node keeps a reference to it
         for name, order in (("hold", driver.hold), ("resume", driver.resume), ("stop", driver.stop)):
             node.create_service(
                 Trigger, f"~/{name}", functools.partial(self._trigger, order), callback_group=apart
@@ -256,8 +256,8 @@ class Node:
     # the action
 
     def _judge(self, request: Any) -> Any:
-        """Accept or reject a goal, without passing it to the driver: rclpy doesn't give the goal's id before
-        `_begin`, which passes it on.
+        """Accept or reject a goal. The goal isn't passed to the driver here, because its id isn't known yet:
+        rclpy gives the id only to `_begin`, which passes the goal to the driver.
         """
         others = messages.multi_dof_joints(request)
         if others:
@@ -344,7 +344,9 @@ class Node:
     # drawings
 
     def _attend(self) -> None:
-        """Call the driver after changes, in a thread of its own, because the call may be slow."""
+        """Ask the driver for new drawings after changes. This runs in a thread of its own, because the driver
+        may be slow.
+        """
         reported: Dict[str, str] = {}
         works = {"robot_description": self._describe, "scene": self._draw_scene, "ghost": self._draw_ghost}
         while self._changed.wait() and not self._closing.is_set():
@@ -438,7 +440,7 @@ def _id_of(handle: Any) -> str:
 
 
 def _text(name: str, value: Any) -> str:
-    """Return a name as text. A number is the number of a process."""
+    """Return the value of the parameter `name` as text. An integer stands for the number of a process."""
     if isinstance(value, bool) or not isinstance(value, (str, int)):
         raise ValueError(f"the parameter {name} is {value!r}: it must be a text")
     return str(value)

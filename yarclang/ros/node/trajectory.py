@@ -21,7 +21,7 @@ PATH_TOLERANCE_VIOLATED = -4
 GOAL_TOLERANCE_VIOLATED = -5
 
 MOST_POINTS = 20_000
-"""Most way-points of one goal."""
+"""Largest number of waypoints of one goal."""
 
 MOST_TEXT = (1 << 22) - 4096
 """Longest text of a program as JSON [bytes]. The coordinator reads lines of up to 4 MiB."""
@@ -30,18 +30,18 @@ MOST_VALUE = 1e6
 """Largest position, velocity, acceleration or time that is accepted [rad, m, s]."""
 
 LEAST_STEP = 1e-6
-"""Shortest time between two points [s]. Times in the program's text have nanoseconds."""
+"""Shortest time between two points [s]. Times in the program's text are rounded to nanoseconds."""
 
 LATE = 1.0
 """Age of a goal's stamp above which the goal is refused [s]."""
 
 START_WITHIN = 0.01
-"""Largest distance between the robot and a goal's first way-point at time 0 at which this way-point counts as
-the robot's own position [rad or m], as in MoveIt's check.
+"""If a goal's first waypoint has time 0: largest distance of a joint from its position in this waypoint at
+which the robot counts as being at this waypoint [rad or m]. MoveIt's check has the same limit.
 """
 
 _SAME = 1e-6
-"""Largest distance from the robot at which a way-point needs no motion [rad or m]."""
+"""Largest distance of a joint from its position in a waypoint at which no motion is needed [rad or m]."""
 
 _RESTS = 1e-6
 """Largest velocity that counts as zero [rad/s or m/s]."""
@@ -50,7 +50,7 @@ _PER_UNIT = {"deg": 180.0 / math.pi, "mm": 1000.0}
 """Number of the language's units per rad or m."""
 
 _NEXT = ";\n"
-"""Separator of way-points. Each way-point is on a line of its own, because the length of lines is limited."""
+"""Separator of waypoints. Each waypoint is on a line of its own, because the length of lines is limited."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,7 @@ class Joint:
 
 @dataclass(frozen=True)
 class Point:
-    """A way-point of a goal, with the joints in the order of the goal's joint names.
+    """A waypoint of a goal, with the joints in the order of the goal's joint names.
 
     Attributes:
         positions: positions [rad or m].
@@ -112,7 +112,7 @@ class Goal:
 
     Attributes:
         joint_names: names of all joints of the robot, in any order.
-        points: the way-points.
+        points: the waypoints.
         starts_in: time until the goal begins, by the stamp of its header [s]; 0 to begin at once (also
             without a stamp).
         path_tolerance: tolerance of the joints along the path.
@@ -254,7 +254,7 @@ def _wrong_ends(goal: Goal) -> str | None:
     for point, where, why in ends:
         for name, value in zip(goal.joint_names, point.velocities):
             if abs(value) > _RESTS:
-                return f"{name} has the velocity {value:.6g} at {where}: {why}, so it must be 0"
+                return f"{name} has the velocity {value:.6g} at {where}: {why}, it must be 0"
     return None
 
 
@@ -282,10 +282,10 @@ class Track:
     """A path over time, with the joints in the robot's order.
 
     Attributes:
-        times: (k,) times of the way-points [s], increasing, from 0.
+        times: (k,) times of the waypoints [s], increasing, from 0.
         positions: (k, n) positions [rad or m].
         velocities: (k, n) velocities [rad/s or m/s].
-        accelerations: (k, n) accelerations [rad/s² or m/s²]. If empty, the path between two way-points is a
+        accelerations: (k, n) accelerations [rad/s² or m/s²]. If empty, the path between two waypoints is a
             cubic polynomial, otherwise a quintic one.
     """
 
@@ -345,9 +345,9 @@ class Track:
         if not self.accelerations:
             return (q0, v0, (3.0 * rise - 2.0 * v0 - v1) / width, (v0 + v1 - 2.0 * rise) / width**2)
         a0, a1 = self.accelerations[piece][joint], self.accelerations[piece + 1][joint]
-        # The powers 0 to 2 follow from position, velocity and acceleration of the first point. The powers 3
-        # to 5 make up the difference to the second point: `off` of the position, `slower` of the velocity,
-        # `bend` of the acceleration.
+        # The powers 0 to 2 follow from position, velocity and acceleration at the first point. With these
+        # powers alone, the polynomial would miss the second point by `off` in position, `slower` in velocity
+        # and `bend` in acceleration; the powers 3 to 5 correct this.
         off = (rise - v0 - a0 * width / 2.0) / width**2
         slower = (v1 - v0 - a0 * width) / width**2
         bend = (a1 - a0) / width
@@ -379,7 +379,7 @@ def track_of(goal: Goal, joints: Sequence[Joint], stands: Values) -> Track:
     Args:
         goal: goal with its joints in any order.
         joints: joints of the robot.
-        stands: (n,) start of the motion, in the robot's order [rad or m]. It replaces a first way-point at
+        stands: (n,) start of the motion, in the robot's order [rad or m]. It replaces a first waypoint at
             time 0.
     """
     points = in_robots_order(goal, joints)
@@ -414,7 +414,7 @@ def in_robots_order(goal: Goal, joints: Sequence[Joint]) -> tuple[Point, ...]:
 
 
 def _clamped(times: Values, positions: tuple[Values, ...]) -> tuple[Values, ...]:
-    """Return the velocities (k, n) at the way-points for a cubic spline with continuous acceleration that
+    """Return the velocities (k, n) at the waypoints for a cubic spline with continuous acceleration that
     begins and ends at rest. A tridiagonal system is solved for each joint.
     """
     count, size = len(times), len(positions[0])
@@ -429,12 +429,12 @@ def _solved(inverse: list[float], q: list[float]) -> list[float]:
     """Solve the tridiagonal system for the inner velocities v of a cubic spline, by the Thomas algorithm:
 
     v_{i-1} / h_{i-1} + 2 (1 / h_{i-1} + 1 / h_i) v_i + v_{i+1} / h_i = 3 (d_{i-1} / h_{i-1} + d_i / h_i),
-    where h_i is the duration of interval i between two way-points and d_i the mean velocity in it. The first
+    where h_i is the duration of interval i between two waypoints and d_i the mean velocity in it. The first
     and the last velocity are 0.
 
     Args:
         inverse: 1 / h_i of each interval [1/s].
-        q: positions at the way-points.
+        q: positions at the waypoints.
     """
     last = len(q) - 1
     pull = [3.0 * (q[at + 1] - q[at]) * inverse[at] ** 2 for at in range(last)]
@@ -459,7 +459,7 @@ class Planned:
     Attributes:
         text: text of the program; empty if the robot is at the goal's end and need not move.
         track: planned path, from the robot's position at time 0 of the goal.
-        has_lead: True if the first command of the program moves to the goal's first way-point.
+        has_lead: True if the first command of the program moves to the goal's first waypoint.
     """
 
     text: str
@@ -470,10 +470,10 @@ class Planned:
 def program_of(goal: Goal, joints: Sequence[Joint], stands: Values) -> Planned:
     """Return the program that carries out a checked goal.
 
-    If the first way-point has time 0 and the robot is within `START_WITHIN` of it, the motion begins at the
-    robot's position. If the robot is farther away, a MOVEJ with half of all limits moves to this way-point
-    first. If the first way-point has a later time, the robot moves from its present position and reaches the
-    way-point at this time.
+    If the first waypoint has time 0 and the robot is within `START_WITHIN` of it, the motion begins at the
+    robot's position. If the robot is farther away, a MOVEJ with half of all limits moves to this waypoint
+    first. If the first waypoint has a later time, the robot moves from its present position and reaches the
+    waypoint at this time.
 
     Args:
         goal: goal with its joints in any order.

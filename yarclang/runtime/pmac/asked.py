@@ -28,7 +28,8 @@ _UNSTEADY = 1.0
 
 
 def read_inputs(operation: Operation, barrier: Barrier, value: Value) -> Script[dict[str, float]]:
-    """Read each input on which a value depends once, and each group of inputs until two readings agree.
+    """Read the inputs on which a value depends: each single input once, and each group of inputs until two
+    readings agree.
 
     Args:
         operation: state of the run, and access to the controller.
@@ -52,8 +53,8 @@ def _read_group(operation: Operation, barrier: Barrier, group: str) -> Script[fl
 
     All bits are asked for in one question, but a PLC may change some of them while the controller answers, or
     change them in different cycles. A number therefore counts only if a second reading, `LOOK` later, gives
-    the same number. Orders of people stay in their queue meanwhile: a HOLD then applies to the motion that
-    follows.
+    the same number. Orders of people stay in their queue until the number is read: a HOLD then applies to the
+    motion that follows.
     """
     bits, since = bits_of(group), operation.now
     before: tuple[float, ...] | None = None
@@ -63,17 +64,17 @@ def _read_group(operation: Operation, barrier: Barrier, group: str) -> Script[fl
             if value not in (0.0, 1.0):
                 raise Trouble(
                     f"{title(barrier)}: {bit} of the group {shown_variable(group)} reads {value:.15g}, "
-                    f"and a bit is 0 or 1",
-                    f"let {bit} point to one bit, or declare it as an input of its own",
+                    "but a bit must be 0 or 1",
+                    f"make {bit} point to a single bit, or declare it as a separate input",
                     "Y1650",
                 )
         if read == before:
             return float(sum(int(value) << place for place, value in enumerate(read)))
         if operation.now - since > _UNSTEADY:
             raise Trouble(
-                f"{title(barrier)}: the group {shown_variable(group)} changes all the time: no two "
-                f"looks in {_UNSTEADY:g} s were equal",
-                "let the other side keep the number until the robot has gone on",
+                f"{title(barrier)}: the group {shown_variable(group)} keeps changing: no two readings "
+                f"within {_UNSTEADY:g} s were equal",
+                "make the connected device hold the number until the robot continues",
                 "Y1651",
             )
         before = read
@@ -86,7 +87,7 @@ def said_of(variable: str, value: float) -> str:
 
 
 def known_of(condition: Value, held: Held) -> str:
-    """Return in words the values of the registers and inputs with which a condition was evaluated."""
+    """Return the values of the registers and inputs with which a condition was evaluated, in words."""
     comparisons = [f"{name} is {held.registers[name]}" for name in registers_of(condition)]
     comparisons += [
         f"{shown_variable(one.variable)} is {said_of(one.variable, held.inputs[one.variable])}"

@@ -60,7 +60,7 @@ def keep(barrier: Barrier, register: Register, value: int) -> Script[None]:
         return
     why = yield Keep(register.name, value)
     if why is not None:
-        what = f"{title(barrier)} can't keep {register.name} = {value}: {why}"
+        what = f"{title(barrier)} can't store {register.name} = {value}: {why}"
         raise Trouble(what, "check the disk and its permissions, then start the program again", "Y1636")
 
 
@@ -71,8 +71,8 @@ def _set_output(operation: Operation, barrier: Barrier, value: Value, held: Held
     name = barrier.name.partition(" = ")[0]
     if len(bits) > 1 and not (number.is_integer() and 0 <= number <= largest_of(barrier.output)):
         raise Trouble(
-            f"{title(barrier)} would make {name} {number:.15g}, and its {len(bits)} bits hold integers "
-            f"from 0 to {largest_of(barrier.output)}",
+            f"{title(barrier)} would make {name} {number:.15g}, and its {len(bits)} bits hold only "
+            f"integers from 0 to {largest_of(barrier.output)}",
             "check the inputs and the program's counts, then start the program again",
             "Y1630",
         )

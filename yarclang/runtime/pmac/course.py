@@ -2,10 +2,10 @@
 from this path. No I/O.
 
 Lines can't be read back from a rotary buffer. The positions that the controller computes from its lines are
-therefore compared with the points that were sent: the commanded positions are the actual positions plus the
+therefore compared with the points that were sent. These commanded positions are the actual positions plus the
 following errors. A spline of `SPLINE1` deviates from the straight lines between the points by at most a sixth
-of the points' second difference (exactly that at the knots, TUM 290). A changed digit, lines of another
-client, or another axis definition all make the motors leave this path.
+of the points' second difference (TUM 290); at the knots it deviates by exactly a sixth. A changed digit,
+lines of another client, or a changed axis definition all make the motors leave this path.
 """
 
 from __future__ import annotations
@@ -28,7 +28,11 @@ executing now.
 _KEPT = 512
 """Minimum number of points that are kept after the robot has passed them."""
 _ALLOWED = 8.0
-"""Allowed distance of a motor from the path [counts], in addition to that of a spline from its points."""
+"""Allowed distance of a motor from the path [counts].
+
+The distance by which the controller's spline misses its own points is allowed in addition: a uniform B-spline
+doesn't pass through its control points.
+"""
 _NUMBER = re.compile(r"-?\d+\.?\d*")
 
 
@@ -101,8 +105,8 @@ class Course:
         # In units of the tolerance, the nearest point can be found for all motors together.
         place = measured.commanded / allowed
         off = np.abs(place - _nearest(points / allowed, place))
-        # If at some point of the path all n motors are within their tolerance, which is 1 in these units,
-        # then the squared distance of this point is at most n, and that of the nearest point is no larger.
+        # In these units, the tolerance is 1. If all n motors are within their tolerance of some point of the
+        # path, the squared distance from this point is at most n, and so is that from the nearest point.
         if (off**2).sum() <= len(off):
             return 0.0, 0
         row = int(np.argmax(off))

@@ -36,9 +36,9 @@ class Feed:
     """The transfer of a job's lines into the rotary buffer.
 
     The number of lines in the buffer is known only from the controller's answer to `PR`, and only for the
-    moment of the answer. Between two answers there are two bounds of this number. The upper bound is the last
-    answer plus the lines sent since. The lower bound is the upper bound minus the lines that may have been
-    executed since, at 100 %.
+    moment of the answer. Between two answers, only an upper and a lower bound of this number are known. The
+    upper bound is the last answer plus the lines sent since. The lower bound is the upper bound minus the
+    lines that may have been executed since, at 100 %.
 
     Attributes:
         sent: number of lines that the controller has accepted.
@@ -70,26 +70,28 @@ class Feed:
 
     @property
     def room(self) -> int:
-        """Return the number of lines that surely still fit into the buffer."""
+        """Return the number of further lines for which the buffer certainly has room."""
         return self.job.capacity - self.at_most
 
     @property
     def at_most(self) -> int:
-        """Return the number of lines ahead if nothing was executed since the last `PR`."""
+        """Return the largest possible number of lines in the buffer: the number if nothing was executed since
+        the last `PR`.
+        """
         return self._ahead + self.sent - self._sent_then
 
     def at_least(self, now: float) -> int:
-        """Return the least number of lines that may still be in the buffer: the controller may have executed
-        as many as possible since the last `PR`.
+        """Return the smallest possible number of lines in the buffer: the number if the controller has
+        executed as many lines as possible since the last `PR`.
 
-        Each segment consumes one move, and two more moves may have been taken at once. Statements between
-        moves take no time.
+        Each segment uses one move, and the controller may have calculated two more moves ahead (`AHEAD`).
+        Statements between moves take no time.
         """
         if now <= self._asked_then and self.sent == self._sent_then:
             return self._ahead
         taken = int((now - self._asked_then) / self.job.segment) + 1 + AHEAD
-        # Count the moves before the first line that was ahead then, plus the moves that may have been taken
-        # since.
+        # Number of moves before the first line that was ahead at the last `PR`, plus the number of moves that
+        # may have left the buffer since.
         behind = int(np.searchsorted(self._moves, self._sent_then - self._ahead)) + taken
         if behind > len(self._moves):
             return 0
@@ -142,12 +144,12 @@ class Feed:
         return self.job.lines[self.sent : self.sent + count]
 
     def written(self, count: int) -> None:
-        """Record that the controller has taken `count` more lines."""
+        """Record that the controller has accepted `count` more lines."""
         self.sent += count
 
     def worthwhile(self, now: float) -> bool:
-        """Return True if a packet should be sent now: if a full packet fits, if the rest of the program fits,
-        or if few lines are left in the buffer.
+        """Return True if a packet should be sent now: if a full packet fits into the buffer, if the rest of
+        the program fits, or if few lines are left in the buffer.
         """
         packet = self.packet()
         if not packet:
@@ -156,13 +158,15 @@ class Feed:
         return whole or self.at_least(now) < loading_of(self.job).full
 
     def hungry(self, now: float) -> bool:
-        """Return True if fewer than `plenty` lines may be in the buffer, so that their number is asked for
-        before anything else.
+        """Return True if the buffer may contain fewer than `plenty` lines, so that their number has to be
+        asked for before anything else.
         """
         return self.left > 0 and self.at_least(now) < self.plenty
 
     def runs_low(self, now: float) -> bool:
-        """Return True if too few lines are ahead of a program that has begun and has unsent lines."""
+        """Return True if the buffer may soon lack lines: the program has begun and has unsent lines, and too
+        few lines are in the buffer.
+        """
         return self.left > 0 and self.at_least(now) < self.low
 
 

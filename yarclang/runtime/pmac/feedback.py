@@ -39,8 +39,8 @@ class MotorStatus:
 
     @property
     def at_rest(self) -> bool:
-        """Return True if the motor has no desired velocity or an open loop, and neither an abort nor a home
-        search is in progress.
+        """Return True if the motor is at rest: its desired velocity is zero or its loop is open, and no abort
+        or home search is in progress.
         """
         still = self.has("desired velocity zero") or self.has("open loop")
         return still and not self.has("abort deceleration") and not self.has("home search in progress")
@@ -82,7 +82,7 @@ class MotorStatus:
                 if self.has("negative limit set")
                 else "a"
             )
-            return f"it was stopped at {side if side == 'a' else 'the ' + side} limit"
+            return f"it was stopped by {side if side == 'a' else 'the ' + side} limit"
         if not self.has("activated"):
             return "it isn't activated (Ixx00)"
         if self.has("open loop"):
@@ -104,7 +104,7 @@ class SystemStatus:
 
     @property
     def run_time_error(self) -> bool:
-        """Return True if a line couldn't be calculated, or not in time."""
+        """Return True if a line couldn't be calculated, or wasn't calculated in time."""
         return bool(self.second >> SYSTEM_WORD_2["run-time error"] & 1)
 
 
@@ -169,7 +169,7 @@ def _items(text: str, group: int, motors: Sequence[int]) -> list[str]:
     items = text.split()
     wanted = max((motor - group + 1 for motor in motors if group <= motor < group + GROUP), default=0)
     if len(items) < wanted:
-        raise ReportError(f"{text!r} tells of {len(items)} motors, not of motor {group + wanted - 1}")
+        raise ReportError(f"{text!r} tells of {len(items)} motors, but not of motor {group + wanted - 1}")
     return items
 
 

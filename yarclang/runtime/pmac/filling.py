@@ -1,7 +1,7 @@
 """Registers that other programs fill while the robot stands at a WAIT or a HOLD. No I/O.
 
-While a script runs between two of its questions, this process does nothing else. The decision that a wait is
-over and the end of accepting values therefore can't be separated by another event.
+While a script runs between two of its questions, this process does nothing else. So no value can arrive
+between the decision that a wait is over and the moment from which no more values are accepted.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from yarclang.runtime.values import range_text, values_text
 
 
 def needed_for(condition: Value, held: Held) -> tuple[str, ...]:
-    """Return the registers of a condition that other programs fill."""
+    """Return those registers of a condition that other programs fill."""
     return tuple(name for name in registers_of(condition) if name in held.outside)
 
 
@@ -30,7 +30,8 @@ def begin_anew(held: Held, needed: tuple[str, ...]) -> None:
 def take_values(operation: Operation, barrier: Barrier, held: Held, needed: tuple[str, ...]) -> None:
     """Accept values of registers from other programs from now on.
 
-    A remark says so. It is not repeated for further messages at the same barrier until the robot has moved.
+    A remark reports that values are accepted. At the same barrier, the remark is repeated only after the
+    robot has moved.
 
     Args:
         operation: state of the run, and access to the controller.
@@ -68,7 +69,7 @@ def fill(operation: Operation, barrier: Barrier, held: Held, order: Fill) -> Non
 
 
 def close(operation: Operation, barrier: Barrier, held: Held) -> None:
-    """Accept no more values from other programs. Values that were already accepted are still put into their
+    """Accept no more values from other programs. Values that were accepted before are put into their
     registers.
     """
     operation.want(None)

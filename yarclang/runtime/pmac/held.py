@@ -17,9 +17,11 @@ COUNTED = ("REPEAT", "LOOP")
 class Passes:
     """A loop of the program that is being repeated.
 
-    `number` is the number of the current pass. `ways` and `barriers` are the numbers of WHENs and of barriers
-    that the run had passed before the first pass. `moved` is True once something was sent to the controller
-    in the current pass.
+    Attributes:
+        ways: number of WHENs that the run had passed before the first pass.
+        barriers: number of barriers that the run had passed before the first pass.
+        number: number of the current pass.
+        moved: True once something was sent to the controller in the current pass.
     """
 
     ways: int
@@ -39,8 +41,8 @@ class Held:
     loops: dict[int, Passes] = field(default_factory=dict)
     """Loops, by the number of the leg before them."""
     flags: frozenset[str] = frozenset()
-    """Registers in which the runtime records whether searches and OFFSETs succeeded; the program's text
-    doesn't contain them.
+    """Registers in which the runtime records whether searches and OFFSETs succeeded. The program's text
+    doesn't mention these registers.
     """
     said: dict[str, str] = field(default_factory=dict)
     """For each place in the program, the last remark since the last motion, so that it isn't repeated."""
@@ -58,7 +60,7 @@ class Held:
 
     @property
     def told(self) -> tuple[tuple[str, int], ...]:
-        """Return the registers and their values, by their names."""
+        """Return the names and values of the registers."""
         return tuple(self.registers.items())
 
     def in_words(self) -> str:

@@ -8,6 +8,7 @@ from yarclang.pmac.controller import turbo_pmac
 from yarclang.runtime.actions import Left, Script, Trouble
 from yarclang.runtime.job import Job
 from yarclang.runtime.notices import Hold, Resume
+from yarclang.runtime.operation import UNATTENDED
 from yarclang.runtime.pmac.operation import Operation
 from yarclang.runtime.pmac.outputs import Outputs
 from yarclang.runtime.pmac.rest import come_to_rest
@@ -16,10 +17,13 @@ from yarclang.runtime.pmac.supervision import HELD, Flow
 from yarclang.runtime.pmac.watching import raise_trouble
 from yarclang.runtime.state import Event, State
 
-_PAUSED = "this computer or the link has paused: `yarc doctor` measures it, and --patience allows for more"
+_PAUSED = (
+    "this computer or the link was too slow: measure it with `yarc doctor`, or allow more time with "
+    "--patience"
+)
 
 _STILL = 0.5
-"""Time after the end of a hold in which the robot may still come to rest [s]."""
+"""Time after the planned end of a hold during which the robot may move nevertheless [s]."""
 
 
 class Holding:
@@ -48,9 +52,24 @@ class Holding:
         robot = self._job.robot
         yield from self.operation.hold(turbo_pmac(robot).coordinate_system, robot.controller.hold_time)
         self.operation.go(Event.HOLD, reason)
-        if self._job.outputs and secure:
+        if secure:
+            yield from self._secure()
+
+    def _secure(self) -> Script[None]:
+        """Set the outputs to their safe values while the robot slows down. If the program sets outputs, they
+        get their safe values again when the robot rests (`_secure_at_rest`).
+        """
+        if self._job.outputs:
             yield from self._outputs.secure(self.operation)
             self._secured_in_motion = bool(self._job.sets)
+
+    def _secure_at_rest(self) -> Script[None]:
+        """Set the outputs to their safe values again: while the robot slowed down, it may have passed a line
+        that sets one.
+        """
+        if self._secured_in_motion:
+            self._secured_in_motion = False
+            yield from self._outputs.secure(self.operation)
 
     def remember_outputs(self) -> Script[None]:
         """Ask for the values of the outputs before the job."""
@@ -69,7 +88,7 @@ class Holding:
         orders.extend(remaining)
         if self.operation.state is State.MOVE or self.refilling:
             self.refilling = False
-            yield from self.hold("a hold was asked for")
+            yield from self.hold("hold requested")
 
     def for_low_water(self) -> Script[None]:
         """Hold the motion because few lines are left in the buffer. The next step refills the buffer and
@@ -79,7 +98,7 @@ class Holding:
         """
         operation, feed = self.operation, self._rotary.feed
         ahead = feed.at_least(operation.now)
-        yield from self.hold(f"low water: {ahead} lines ahead or few more, at least {feed.low} are wanted")
+        yield from self.hold(f"buffer low: about {ahead} lines ahead, at least {feed.low} are needed")
         operation.remark("the buffer ran low: holding to refill it", warning=True)
         self.refilling = True
 
@@ -97,25 +116,23 @@ class Holding:
         operation = self.operation
         if rests:
             self._again = False
-            if self._secured_in_motion and operation.now >= operation.settled:
-                # While the robot slowed down, it may have passed a line that sets an output.
-                self._secured_in_motion = False
-                yield from self._outputs.secure(operation)
+            if operation.now >= operation.settled:
+                yield from self._secure_at_rest()
         if rests or self.refilling or operation.now < operation.settled + _STILL:
             return
         if self._again:
             yield from operation.abort()
             raise Trouble(
-                "somebody else moves the robot, though it is held, and a hold doesn't stop it: all "
+                "another client moves the robot during a hold, and a second hold doesn't stop it: all "
                 "motors are stopped",
-                "find out who uses this controller",
+                "find the other client of this controller",
                 "Y1605",
             )
         self._again = True
         controller = turbo_pmac(self._job.robot)
         yield from operation.hold(controller.coordinate_system, controller.hold_time)
         operation.remark(
-            "somebody else uses this controller: the robot moves during a hold; it is held again",
+            "another client uses this controller: the robot moves during a hold; it is held again",
             warning=True,
         )
 
@@ -138,17 +155,19 @@ class Holding:
             self._told |= {changes, also}
             changes = ", ".join(dict.fromkeys(one for one in (changes, also) if one))
         self._told.add(changes)
-        self._check_attended(f"somebody else uses this controller: {changes}")
+        self._check_attended(f"another client uses this controller: {changes}")
         self.operation.remark(
-            f"somebody else uses this controller: {changes}; find out who, put it back, then Enter or "
-            f"`yarc resume` goes on",
+            f"another client uses this controller: {changes}; find the client, restore the value, then "
+            "continue with Enter or `yarc resume`",
             warning=True,
         )
 
     def by_guard(self, flow: Flow) -> Script[None]:
-        """Refill the buffer and resume after the controller's own guard has held on the path."""
+        """Handle a hold by the controller's own guard: outputs get their safe values, and the next step
+        refills the buffer and resumes. The guard itself sets no outputs.
+        """
         operation, controller = self.operation, turbo_pmac(self._job.robot)
-        # hold in any case: another client may have set the flag
+        # hold in any case: not the guard, but another client may have set the guard's flag
         yield from operation.hold(controller.coordinate_system, controller.hold_time)
         if flow.watched == HELD:
             silence = (
@@ -158,9 +177,11 @@ class Holding:
             operation.go(Event.HOLD, silence, remedy=_PAUSED)
             operation.remark(_PAUSED, warning=True)
         else:
-            what = "the guard PLC has held the motion: too few lines lay ahead"
+            what = "the guard PLC has held the motion: too few lines were left in the buffer"
             operation.go(Event.HOLD, what, remedy=_PAUSED)
+        yield from self._secure()
         yield from come_to_rest(operation, self._job.robot)
+        yield from self._secure_at_rest()
         self.refilling = True
 
     def for_input(self, input_state: str, way_out: str = "", *, moves: bool = True) -> Script[None]:
@@ -179,32 +200,44 @@ class Holding:
         if moves:
             yield from self.hold(f"{input_state}: held on the path")
         else:
-            self.operation.go(Event.HOLD, f"{input_state}: the motion doesn't begin")
+            self.operation.go(Event.HOLD, f"{input_state}: the motion isn't started")
             if self._job.outputs:
                 yield from self._outputs.secure(self.operation)
         if self.operation.unattended:
             raise Trouble(
                 f"the program holds: {input_state}",
-                "nobody is here to resume it: run the program again",
+                "an unattended run can't be resumed: run the program again",
                 "Y1637",
             )
         self.way_out = way_out
-        goes_on = f"leads back to where the motion began, and away by {way_out}" if way_out else "goes on"
+        resuming = f"retreat along the path and by {way_out}" if way_out else "continue"
         self.operation.remark(
-            f"{input_state}; when that is over, Enter or `yarc resume` {goes_on}", warning=True
+            f"{input_state}; when that is over, {resuming} with Enter or `yarc resume`", warning=True
         )
 
-    def by_nobody(self) -> None:
-        """Report that the motion was held, but not by this run: nothing moves although lines are in the
-        buffer. A person has to resume.
+    def after_sleep(self) -> Script[None]:
+        """Don't begin the motion, because this process was suspended for a long time since the run has begun.
+        The hold lasts until a person resumes.
+        """
+        operation = self.operation
+        slept, operation.slept = operation.slept, 0.0
+        operation.go(Event.HOLD, f"this process was suspended for {slept:.0f} s: the motion isn't started")
+        if self._job.outputs:
+            yield from self._outputs.secure(operation)
+        operation.remark(UNATTENDED, warning=True)
+
+    def by_nobody(self) -> Script[None]:
+        """Handle a hold that this run didn't order: nothing moves although lines are in the buffer. Outputs
+        get their safe values, and a person has to resume.
 
         Raises:
             Trouble: the run is unattended, so nobody can resume it.
         """
         operation = self.operation
-        operation.go(Event.HOLD, "the motion is held, and not by this run")
-        self._check_attended("somebody else holds the motion")
-        operation.remark("somebody else holds the motion; resume it when that is right", warning=True)
+        operation.go(Event.HOLD, "the motion is held, but not by this run")
+        yield from self._secure()
+        self._check_attended("another client holds the motion")
+        operation.remark("another client holds the motion; resume it when this is safe", warning=True)
 
     def _check_attended(self, reason: str) -> None:
         """Check that a person can resume the motion.
@@ -213,7 +246,7 @@ class Holding:
             Trouble: the run is unattended, so nobody can resume it.
         """
         if self.operation.unattended:
-            raise Trouble(reason, "nobody is here to resume it: run the program again", "Y1605")
+            raise Trouble(reason, "an unattended run can't be resumed: run the program again", "Y1605")
 
     def go_on(self) -> Script[None]:
         """Resume the motion from rest: compare the settings, refill the buffer, restore guard and outputs,
@@ -223,8 +256,8 @@ class Holding:
             Left: an input has held the motion, and the robot retreats instead of continuing.
         """
         operation, feed, supervision = self.operation, self._rotary.feed, self._supervision
-        # A resume that came while an input holds the motion stays refused, even if the input changes
-        # meanwhile.
+        # if an input holds the motion when a person resumes, the resume is refused, even if the input changes
+        # a moment later
         if self._job.watches and self._stays_held((yield from self._rotary.ask())):
             return
         motors = yield from come_to_rest(operation, self._job.robot)
@@ -253,10 +286,12 @@ class Holding:
         self._secured_in_motion = False
         yield from self._outputs.restore(operation, feed.sent - feed.at_most)
         if operation.slept:
-            return  # this process was suspended meanwhile
+            return  # this process was suspended during these questions: the run has to be held again
         if self._told:
             yield from operation.ask(f"%{100.0 * operation.override:g}")
         yield from supervision.begin()
+        if operation.slept:
+            return
         yield from operation.ask("R")
         operation.settled = -math.inf
         self.refilling = False
@@ -264,11 +299,11 @@ class Holding:
         operation.go(Event.RESUME)
 
     def _stays_held(self, flow: Flow) -> bool:
-        """Return True if a watched input still holds the motion, and report this."""
+        """Return True if a watched input does not allow the motion to continue, and report this."""
         told = self._supervision.held_by(flow)
         if told:
             self.refilling = False
-            self.operation.remark(f"it stays held: {told}", warning=True)
+            self.operation.remark(f"the hold continues: {told}", warning=True)
         return bool(told)
 
     def _stay_held(self, change: str) -> Script[None]:

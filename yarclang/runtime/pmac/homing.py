@@ -35,7 +35,9 @@ _RESERVE, _MORE = 1.5, 5.0
 _TRIAL, _BITES = 0.06, 0.5
 _EACH = 0.02
 _BEGINS = 0.1
-"""Time after the start from which a motor that isn't searching has ended its search [s]."""
+"""Time after the start of a search from which a motor at rest counts as having ended its search [s]. Earlier,
+the motor may be at rest because its search hasn't begun.
+"""
 
 _RESTS = 5.0
 
@@ -77,12 +79,11 @@ def _search(robot: Robot, row: int, rate: float, *, closed: bool) -> HomeSearch:
         among = moved | follows
         names = ", ".join(joint for joint, one in zip(robot.joint_names, among, strict=True) if one)
         refused = (
-            f"motor {motor} is coupled: {names} belong together, and a search of one motor moves the "
-            f"arm otherwise than a joint does. "
-            "Home it with the tools of the machine's maker"
+            f"motor {motor} is coupled: {names} are driven together, so a home search of one motor "
+            "doesn't move a single joint. Home it with the tools of the machine's manufacturer"
         )
     elif not speed:
-        refused = f"{name}, the speed of the search, is 0: it wouldn't move"
+        refused = f"{name}, the speed of the home search, is 0: the motor wouldn't move"
     elif abs(speed) > fastest:
         refused = (
             f"{name} asks for {abs(speed):.3g} {robot.axis_unit_names[column]}/s, more than the joint's "
@@ -119,7 +120,8 @@ def home(operation: Operation, robot: Robot, motor: int) -> Script[None]:
     search = homes[motor]
     if search.refused:
         raise Trouble(search.refused, "", "Y1612")
-    # An abort, the last resort, closes the loops of all motors.
+    # Refuse if a loop is open: an abort, the last resort during a search, would close the loops of all
+    # motors.
     if opened := [str(number) for number, one in homes.items() if not one.closed]:
         raise Trouble(f"motor {', '.join(opened)} is open-loop", "enable all motors first", "Y1612")
     yield from _check_free(operation)
@@ -144,8 +146,8 @@ def _guard(robot: Robot, motor: int) -> tuple[str, ...]:
 
 
 def _check_free(operation: Operation) -> Script[None]:
-    """Check that the number of the PLC that stops home searches isn't used by somebody else's PLC. Such a PLC
-    of an earlier session that has failed may be there.
+    """Check that the PLC number for stopping home searches isn't used by another program. The PLC that an
+    earlier, failed session has left under this number is allowed.
     """
     try:
         listing = yield from operation.ask(f"LIST PLC {HOMING_PLC}")
@@ -153,8 +155,8 @@ def _check_free(operation: Operation) -> Script[None]:
         listing = ()
     text = "".join(listing).upper().removesuffix("RETURN").removesuffix("RET").strip()
     if text and HOMING not in text:
-        what = f"PLC {HOMING_PLC}, which would stop the search when this computer fails, is somebody else's"
-        raise Trouble(what, "keep it elsewhere on the controller: it would be overwritten", "Y1612")
+        what = f"PLC {HOMING_PLC}, needed to stop the search if this computer fails, has a foreign program"
+        raise Trouble(what, "move that program to another PLC: it would be overwritten", "Y1612")
 
 
 def _load(operation: Operation, robot: Robot, motor: int) -> Script[None]:
@@ -177,9 +179,8 @@ def _load(operation: Operation, robot: Robot, motor: int) -> Script[None]:
         (flag,) = yield from operation.numbers(HOMING, 1)
     if flag != 2.0 or operation.now - since < 0.9 * _TRIAL:
         raise Trouble(
-            "the controller wouldn't stop the search if this computer failed: its PLCs don't run as they "
-            "must",
-            "`yarc settings` has I5=3; look what else the controller is busy with",
+            "the controller wouldn't stop the search if this computer failed: its PLCs don't run properly",
+            "set I5=3 as in `yarc settings`, and check the controller's load",
             "Y1612",
         )
     yield from operation.ask(f"{HOMING}=0")
@@ -200,21 +201,24 @@ def _searched(operation: Operation, robot: Robot, search: HomeSearch) -> Script[
     motor, row = search.motor, robot.controller.motors.index(search.motor)
     wound = wound_up(turbo_pmac(robot), operation.silence)
     if is_ended(operation):
-        raise Trouble("it was let go before it began; nothing moved", "", "")
+        raise Trouble("the button was released before the start; nothing moved", "", "")
     # From here on, the PLC watches this computer: HM must follow within the time of the timer.
     yield from operation.ask(f"{wound} {HOMING}=1")
     if is_ended(operation):
-        raise Trouble("it was let go before it began; nothing moved", "", "")
+        raise Trouble("the button was released before the start; nothing moved", "", "")
     since = positions_due = operation.now
     operation.searches = True
     yield from operation.ask(f"#{motor}HM")
     while True:
         if is_ended(operation):
-            raise Trouble(f"motor {motor} was stopped in its search: it isn't homed", "home it again", "")
+            raise Trouble(
+                f"motor {motor} was stopped during its home search: it isn't homed", "home it again", ""
+            )
         (flag,) = yield from operation.numbers(f"{wound} {HOMING}", 1)
         if flag != 1.0:
             problem = (
-                f"the controller has stopped motor {motor} in its search: it had received nothing for "
+                f"the controller has stopped motor {motor} during its home search: it had received "
+                "nothing for "
                 f"{operation.silence:.2g} s"
             )
             raise Trouble(
@@ -222,21 +226,23 @@ def _searched(operation: Operation, robot: Robot, search: HomeSearch) -> Script[
             )
         status = (yield from motor_statuses(operation, robot))[row]
         if told := status.trouble:
-            raise Trouble(f"motor {motor} in its search: {told}", "find out why, then home it again", "Y1602")
+            raise Trouble(f"motor {motor}, home search: {told}", "find out why, then home it again", "Y1602")
         spent = operation.now - since
         if spent > _BEGINS and status.at_rest:
             break
         if spent > search.longest:
             problem = f"motor {motor} hasn't found its home within {search.longest:.0f} s"
-            raise Trouble(problem, "look at its home flag, and at Ixx23 and Ixx26", "Y1602")
+            raise Trouble(problem, "check its home flag, Ixx23 and Ixx26", "Y1602")
         if operation.now >= positions_due:
             positions_due = operation.now + operation.positions_each
             operation.notices.append((yield from sample(operation, robot, 0.0)))
         yield Wait(operation.now + _EACH)
     operation.searches = False
     if not status.has("home complete"):
-        problem = f"motor {motor} has ended its search without its home"
-        raise Trouble(problem, "look at its home flag and at what else uses this controller", "Y1602")
+        problem = f"motor {motor} has ended its home search without finding its home"
+        raise Trouble(
+            problem, "check its home flag, and whether another client uses this controller", "Y1602"
+        )
 
 
 def _stop(operation: Operation, robot: Robot, motor: int) -> Script[None]:

@@ -16,15 +16,15 @@ STATUS_EACH = 0.1
 
 
 def idle(operation: Operation, robot: Robot, is_wanted: Callable[[], bool]) -> Script[None]:
-    """Report the robot's position, until something else is to be done. A new order wakes the session.
+    """Report the robot's position until `is_wanted` returns True.
 
     A motor that can't move is a fault. It is reported once; afterwards the motors are only watched. Orders
-    have no effect here, and are discarded.
+    have no effect here, and are discarded, but each new order ends the present wait.
 
     Args:
         operation: state of the run, and access to the controller.
         robot: the robot.
-        is_wanted: function that returns True if something else is to be done.
+        is_wanted: function that returns True if the session has something else to do.
 
     Raises:
         Lost: the connection is no longer usable.

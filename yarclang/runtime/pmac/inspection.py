@@ -27,7 +27,7 @@ _GUARD_TIME = 0.5
 _TRIAL = 0.06
 """Time to which the watchdog is set for its test [s]."""
 _EARLIEST = 0.9
-"""Share of `_TRIAL` during which the guard PLC must not hold yet."""
+"""The guard PLC must not hold before this fraction of `_TRIAL` is over."""
 _CLOSE_ENOUGH = 1e-6
 _EXACT = 1e-7
 """Relative tolerance of the counts per unit of an axis definition; over a whole turn, the error is less
@@ -74,14 +74,14 @@ def inspect(operation: Operation, robot: Robot, items: Sequence[Item]) -> Script
 
 
 def _kind(operation: Operation) -> Script[Checked]:
-    """Ask for the kind of the controller: its CID, and also its TYPE if the CID is unknown."""
+    """Ask for the controller's CID and TYPE, and check that at least one of them is that of a Turbo PMAC."""
     try:
         identity = yield from operation.one("CID")
         name = yield from operation.one("TYPE")
     except Refused as refused:
         return Checked("controller", str(refused), "a Turbo PMAC", "error", "is this a Turbo PMAC?")
     fits = identity in TURBO or "TURBO" in name.upper()
-    remedy = "" if fits else "yarclang writes for the Turbo PMAC: its programs mean something else here"
+    remedy = "" if fits else "programs for the Turbo PMAC have another meaning on this controller"
     return Checked(
         "controller", f"{name} (CID {identity})", "a Turbo PMAC", "ok" if fits else "error", remedy
     )
@@ -96,8 +96,8 @@ def _idle(operation: Operation, robot: Robot) -> Script[Checked]:
         if not status.running:
             return Checked(subject, "no program runs", "no program runs", "ok")
         state, remedy = (
-            "a program is in the middle, held or starved",
-            "`yarc stop --to ...` ends it where the robot stands",
+            "an unfinished program is held, or waits for lines",
+            "end it at the robot's position with `yarc stop --to ...`",
         )
     else:
         state, remedy = "it moves", "wait for its end, or `yarc stop --to ...`"
@@ -105,7 +105,9 @@ def _idle(operation: Operation, robot: Robot) -> Script[Checked]:
 
 
 def _questions(items: Sequence[Item]) -> Iterator[list[Item]]:
-    """Group settings into lines with questions. Only questions with a number as answer can share a line."""
+    """Group settings into lines with questions. Only questions that are answered by a number can share a
+    line.
+    """
     line: list[Item] = []
     for item in items:
         together = item.kind in ("number", "bits")
@@ -140,7 +142,7 @@ def _verdict(item: Item, answer: str) -> Checked:
         return Checked(
             item.subject,
             shown,
-            "as `yarc settings` has it",
+            "as in `yarc settings`",
             "ok" if ok else "error",
             "" if ok else item.remedy,
         )
@@ -248,11 +250,11 @@ def _motor(robot: Robot, row: int, status: MotorStatus) -> Checked:
         return Checked(subject, trouble, expected, "error", remedy)
     if not status.has("home complete"):
         return Checked(
-            subject, "it isn't homed", expected, "error", "home it: its position means nothing before"
+            subject, "it isn't homed", expected, "error", "home it: until then its position is meaningless"
         )
     if status.has("warning following error"):
         return Checked(
-            subject, "its following error is beyond Ixx12", expected, "warning", "look at its load and tuning"
+            subject, "its following error is beyond Ixx12", expected, "warning", "check its load and tuning"
         )
     return Checked(subject, "closed-loop, homed", expected, "ok")
 
@@ -260,14 +262,14 @@ def _motor(robot: Robot, row: int, status: MotorStatus) -> Checked:
 def guard_works(operation: Operation, robot: Robot) -> Script[Checked]:
     """Arm the guard PLC while the rotary is empty, and check that the PLC holds at once.
 
-    The abort afterwards ends the hold; motors that are closed-loop and at rest aren't affected by it.
-    Leftover lines in the rotary, of a program that is no longer run, are deleted.
+    Afterwards an abort ends the hold; it doesn't affect motors that are closed-loop and at rest. Leftover
+    lines in the rotary, of a program that is no longer run, are deleted.
     """
     system = turbo_pmac(robot).coordinate_system
     subject = f"guard PLC {GUARD_PLC}"
-    expected = "holds when the rotary runs low"
+    expected = "holds when the rotary buffer runs low"
     remedy = (
-        f"without it nothing stops the robot when this computer fails: download `yarc settings {robot.name}`"
+        f"without it the robot isn't stopped if this computer fails: download `yarc settings {robot.name}`"
     )
     yield from operation.ask("CLOSE ALL")
     (full,) = yield from operation.numbers(ROTARY_FULL, 1)
@@ -286,13 +288,13 @@ def guard_works(operation: Operation, robot: Robot) -> Script[Checked]:
         return Checked(
             subject, f"it held within {max(operation.now - since, 1e-3) * 1e3:.0f} ms", expected, "ok"
         )
-    return Checked(subject, "armed, it does nothing", expected, "error", remedy)
+    return Checked(subject, "armed, but it doesn't react", expected, "error", remedy)
 
 
 def _watchdog_works(operation: Operation, robot: Robot) -> Script[list[Checked]]:
     """Let the guard PLC watch this computer, restart its timer only once, and check that the PLC then holds.
 
-    It must hold when the timer has run down, and not before, and PLC 0 must see the guard's heartbeat. Then
+    The PLC must hold when the timer has run down, and not before. PLC 0 must see the guard's heartbeat. Then
     the longest silence of this computer is chosen from the slowest reply of the inspection, unless a person
     has set it.
     """
@@ -318,7 +320,7 @@ def _watchdog_works(operation: Operation, robot: Robot) -> Script[list[Checked]]
     if flag != 2.0 or lasted < _EARLIEST * _TRIAL:
         pace = yield from pace_of(operation, controller)
         if abs(pace - 1.0) > OTHER_PACE:
-            found = f"passes about {pace:.2g} times as fast as here"
+            found = f"runs about {pace:.2g} times as fast as on this computer"
             return [Checked("the controller's time", found, "real time", "error", OTHER_PACE_REMEDY)]
     return [
         _biting(operation, robot, flag, lasted, remedy),
@@ -331,22 +333,22 @@ def _biting(operation: Operation, robot: Robot, flag: float, lasted: float, reme
     hold_time = robot.controller.hold_time
     operation.silence = operation.wanted_silence or patience_for(operation.slowest, hold_time)
     rest = operation.silence + hold_time
-    expected = "holds when this computer falls silent"
+    expected = "holds when this computer sends nothing"
     if flag != 2.0:
-        return Checked("watchdog", "wound up, it does nothing", expected, "error", remedy)
+        return Checked("watchdog", "started, but it doesn't react", expected, "error", remedy)
     if lasted < _EARLIEST * _TRIAL:
         return Checked(
             "watchdog",
-            f"it held {lasted * 1e3:.0f} ms after it was wound up for {_TRIAL * 1e3:.0f} ms",
+            f"it held {lasted * 1e3:.0f} ms after it was started with a time of {_TRIAL * 1e3:.0f} ms",
             expected,
             "error",
             remedy,
         )
     measured = f"holds after {operation.silence:.2g} s of silence: at rest within {rest:.2g} s"
     if rest <= AT_REST_WITHIN + 0.05 or operation.silence > needed(operation.slowest):
-        return Checked(
-            "watchdog", measured, expected, "ok"
-        )  # as it must be, as the robot's hold time requires, or as a person wants it
+        # No warning about a slow connection: either the robot is at rest in time, or the long silence has
+        # another cause, which is the robot's hold time or a person's choice.
+        return Checked("watchdog", measured, expected, "ok")
     slow = f"a reply has taken {operation.slowest * 1e3:.0f} ms: find out what slows the link"
     return Checked("watchdog", measured, "at rest within 1 s", "warning", slow)
 
@@ -354,7 +356,7 @@ def _biting(operation: Operation, robot: Robot, flag: float, lasted: float, reme
 def _beating(operation: Operation, beats: float, spent: float, remedy: str) -> Checked:
     subject, wanted = "heartbeat of the guard PLC", "beats"
     if beats <= 0.0:
-        return Checked(subject, f"stands still for {spent * 1e3:.0f} ms", wanted, "error", remedy)
+        return Checked(subject, f"doesn't change for {spent * 1e3:.0f} ms", wanted, "error", remedy)
     operation.beat = spent / beats
     return Checked(subject, f"each {operation.beat * 1e3:.1f} ms", wanted, "ok")
 

@@ -17,7 +17,7 @@ from yarclang.frozen import frozen
 from yarclang.robot.model import Array
 from yarclang.runtime.actions import Lost, Script, Stopped, Trouble, Wait
 from yarclang.runtime.job import Barrier, Job, Leg, Part
-from yarclang.runtime.notices import Hold, Reached
+from yarclang.runtime.notices import Reached
 from yarclang.runtime.outcome import Concerned, Ended
 from yarclang.runtime.pmac.asked import LOOK, known_of, read_inputs, value_of
 from yarclang.runtime.pmac.assigning import assign
@@ -28,17 +28,23 @@ from yarclang.runtime.pmac.rest import leave, stands_at
 from yarclang.runtime.pmac.searching import found_at
 from yarclang.runtime.pmac.shifting import shifted_by
 from yarclang.runtime.pmac.teaching import TEACHING, teach
-from yarclang.runtime.pmac.waiting import awaited, obey, wait_for_input, wait_for_operator, wait_until
+from yarclang.runtime.pmac.waiting import (
+    awaited,
+    obey_or_hold,
+    wait_for_input,
+    wait_for_operator,
+    wait_until,
+)
 from yarclang.runtime.signals import state_text
 from yarclang.runtime.state import Event
 
 LOST = "Y1606"
 """Code of the finding for a lost connection."""
 
-_TAKEN = {True: "its lines are carried out", False: "its lines are left out"}
+_TAKEN = {True: "its lines are executed", False: "its lines are skipped"}
 """Words for the lines under a WHEN, by the value of its condition."""
 
-_LEFT = {True: "the loop is left", False: "the loop goes on"}
+_LEFT = {True: "the loop is left", False: "the loop continues"}
 """Words for the loop of an UNTIL, by the value of its condition."""
 
 Perform = Callable[[Operation, Job], Script[Ended]]
@@ -67,7 +73,7 @@ def perform_legs(operation: Operation, job: Job, perform: Perform) -> Script[End
     Args:
         operation: state of the run, and access to the controller.
         job: a job with legs.
-        perform: script that runs a job without legs, such as one leg.
+        perform: script that streams a job without barriers, here that of a single leg.
     """
     place: int | None = 0
     held = Held.of(job)
@@ -151,9 +157,9 @@ def _tell_registers(operation: Operation, job: Job, held: Held) -> None:
     """
     if held.in_words():
         kept = [one.name for one in job.registers if one.kept]
-        but = f", but for {', '.join(kept)}" if kept else ""
+        but = f", except {', '.join(kept)}" if kept else ""
         operation.remark(
-            f"{held.in_words()}; a run that goes on with --from begins with their first values{but}"
+            f"{held.in_words()}; a run that continues with --from begins with their initial values{but}"
         )
 
 
@@ -179,20 +185,20 @@ def _pass(
     match barrier.kind:
         case "wait":
             if barrier.decided is None:
-                yield from wait_for_input(operation, barrier)
+                yield from wait_for_input(operation, job, barrier)
             else:
-                met = yield from wait_until(operation, barrier, barrier.decided, held)
+                met = yield from wait_until(operation, job, barrier, barrier.decided, held)
                 if not met:
                     raise Trouble(
-                        f"{title(barrier)} has waited {barrier.timeout:g} s until "
+                        f"{title(barrier)} has waited {barrier.timeout:g} s for "
                         f"{awaited(barrier, barrier.decided)}: {known_of(barrier.decided, held)}",
-                        "look at the inputs, then go on with --from",
+                        "check the inputs, then continue with --from",
                         "Y1604",
                     )
         case "hold":
             yield from wait_for_operator(operation, job, barrier, held)
         case "when":
-            holds = yield from _decided(operation, barrier, held)
+            holds = yield from _decided(operation, job, barrier, held)
             return place + 1 if holds else _behind(job.legs, place, "when", "else", "end")
         case "set":
             yield from assign(operation, job, barrier, held)
@@ -202,7 +208,7 @@ def _pass(
             operation.remark(f"{title(barrier)}: {filled(barrier.name, held.registers)}")
         case "abort":
             what = f"{title(barrier)} ends the program: {barrier.name}"
-            raise Trouble(what, "remove the reason, then start the program again", "Y1635")
+            raise Trouble(what, "correct the cause, then start the program again", "Y1635")
         case "else":
             return _behind(job.legs, place, "when", "end")
         case "next":
@@ -220,12 +226,7 @@ def _begin_anew(operation: Operation, job: Job, place: int, held: Held) -> Scrip
     """Go back to the first leg of a loop for its next pass, after carrying out orders. If the last pass had
     no motion, wait for `LOOK`, so that an empty loop doesn't keep this process busy.
     """
-    holds = any(isinstance(order, Hold) for order in operation.orders)
-    if not (yield from obey(operation)) and holds:
-        operation.go(Event.HOLD, "held between two passes of a loop; Enter or `yarc resume` goes on")
-        while not (yield from obey(operation)):
-            yield Wait(operation.now + LOOK)
-        operation.go(Event.END, "the operator goes on")
+    yield from obey_or_hold(operation, job, "between two passes of a loop")
     head = _in_front(job.legs, place)
     loop = held.loops[head]
     if loop.moved:
@@ -250,16 +251,16 @@ def _in_front(legs: tuple[Leg, ...], place: int) -> int:
     raise AssertionError("a loop without a beginning was refused when the text was read")
 
 
-def _decided(operation: Operation, barrier: Barrier, held: Held) -> Script[bool]:
+def _decided(operation: Operation, job: Job, barrier: Barrier, held: Held) -> Script[bool]:
     """Decide a WHEN: return True if its first branch is taken. Each input is read once; all branches of a
     CASE are decided by the values read for the first branch.
     """
     assert barrier.decided is not None  # a WHEN without a condition was refused when the text was read
     if barrier.timeout is not None:
-        met = yield from wait_until(operation, barrier, barrier.decided, held)
+        met = yield from wait_until(operation, job, barrier, barrier.decided, held)
         if not met:
             known = known_of(barrier.decided, held)
-            operation.remark(f"{title(barrier)}: {known}: the lines after its ELSE are carried out")
+            operation.remark(f"{title(barrier)}: {known}: the lines after its ELSE are executed")
         return met
     if not barrier.again:
         held.inputs = yield from read_inputs(operation, barrier, barrier.decided)
@@ -355,7 +356,7 @@ def _ended(
 def _lost(operation: Operation, standing: _Standing, reason: str) -> Ended:
     """End the run after the connection was lost while the robot was at rest; the robot stays at rest."""
     problem = f"the connection was lost: {reason}"
-    remedy = "the robot stands; find out why, run `yarc doctor`, then go on with --from"
+    remedy = "the robot is at rest; find the cause, run `yarc doctor`, then continue with --from"
     operation.go(Event.LOST, problem, LOST, remedy)
     operation.go(Event.FAULT, problem, LOST, remedy)
     return Ended(

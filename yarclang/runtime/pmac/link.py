@@ -15,7 +15,7 @@ _SCRATCH = "P8180"
 """A variable that no one uses: values written to it have no effect."""
 
 _SHARE = 0.7
-"""Share of the connection's speed that a program may need."""
+"""Largest share of the connection's speed that a program may need."""
 
 _ASKED = 20
 _PACKETS = 5
@@ -25,10 +25,13 @@ _PACKETS = 5
 class Link:
     """Results of the measurement of the connection.
 
-    `round_trips` are the times of single questions [s], in ascending order. `lines_per_second` is the rate of
-    WRITEBUFFER for lines as long as a move line. `first_line` is the number that the controller gives the
-    first line of a packet (None: neither 0 nor 1). `stops_at_error` is True if the controller skips the lines
-    after a refused one.
+    Attributes:
+        round_trips: times of single questions [s], in ascending order.
+        lines_per_second: rate of WRITEBUFFER for lines as long as a move line.
+        lines_per_packet: number of such lines in a packet.
+        first_line: number that the controller gives the first line of a packet; None if it is neither 0 nor
+            1.
+        stops_at_error: True if the controller skips the lines after a refused one.
     """
 
     round_trips: tuple[float, ...]
@@ -83,15 +86,13 @@ def figures(link: Link) -> Measured:
     segment = 1e3 / (link.lines_per_second * _SHARE)
     lines = [
         (
-            f"link: a question takes {link.median * 1e3:.2f} ms (median), {link.worst * 1e3:.2f} ms at "
+            f"link: a reply takes {link.median * 1e3:.2f} ms (median), {link.worst * 1e3:.2f} ms at "
             f"worst; "
             f"{link.lines_per_second:.0f} program lines/s, enough for segments of {segment:.2g} ms and more"
         )
     ]
     first = "it doesn't say" if link.first_line is None else f"from {link.first_line}"
-    behind = (
-        "aren't executed" if link.stops_at_error else "ARE executed: a refused line is a fault of the run"
-    )
+    behind = "aren't executed" if link.stops_at_error else "ARE executed: a refused line would end the run"
     lines.append(
         f"link: the controller counts the lines of a packet {first}; lines after a refused one {behind}"
     )

@@ -2,12 +2,12 @@
 master. No I/O.
 
 The rotary buffer always has as many lines as the guard PLC needs for a hold on the path, plus an allowance
-for a late host. It therefore never runs empty in motion, and a new order takes effect later by the duration
-of these lines. A stop doesn't wait: it is a hold, and the remaining lines are discarded.
+for a late host. It therefore never runs empty in motion, but a new order takes effect only after these lines.
+A stop doesn't wait for them: it is a hold, and the remaining lines are discarded.
 
 The motion begins at the commanded position of the motors, and was proved from there; no RAPID leads to a
-start. The last question before R therefore asks for that position again. There is one reply between this
-question and R, and R is refused while a motor jogs (ERR011).
+start. The last question before R therefore asks for that position again. R is sent right after the reply, and
+is refused while a motor jogs (ERR011), so that other clients have hardly any time to move the robot away.
 """
 
 from __future__ import annotations
@@ -34,16 +34,16 @@ from yarclang.runtime.pmac.watching import look_at_motors, look_whether_astray, 
 from yarclang.runtime.state import Event
 
 _LATE = 1
-"""This computer holds the motion when the number of lines in the buffer is less than the guard's minimum plus
-this number, so that it holds earlier than the guard.
+"""Margin by which this computer holds the motion before the guard does: it holds when the buffer has fewer
+lines than the guard's minimum plus this number.
 """
 
 _SHORTEST, _SEGMENTS, _LONGEST = 0.008, 1.5, 0.016
 """Time between two questions for the lines in the buffer: `_SEGMENTS` segments, within the bounds `_SHORTEST`
 and `_LONGEST` [s].
 
-Waking up costs this process more time than a reply does. Questions that are due within half of this time are
-therefore asked in the same turn.
+Waking up costs this process more time than a reply does. A question that is due within half of the present
+interval is therefore asked at once, without a wait before it.
 """
 
 
@@ -82,8 +82,8 @@ class LiveStream:
 
     @property
     def left(self) -> int:
-        """Return 1 if lines of the motion are still to be sent, and 0 if not. How many there are isn't known
-        before the motion ends.
+        """Return 1 if the motion has unsent lines, and 0 if not. The number of these lines isn't known before
+        the motion ends.
         """
         return 0 if self._source.ended else 1
 
@@ -92,9 +92,9 @@ class LiveStream:
         it ends.
 
         Raises:
-            Stopped: a person has ended the run; the robot may still be moving.
-            Trouble: either the robot has left the position from which the motion was proved, so the motion
-                isn't started; or the motion can't continue, and the robot may still be moving.
+            Stopped: a person has ended the run; the robot may be moving.
+            Trouble: the motion can't continue, and the robot may be moving; or the motion isn't started,
+                because the robot has left the position from which the motion was proved.
             Lost: the connection is no longer usable.
         """
         operation, job = self.operation, self.job
@@ -144,8 +144,8 @@ class LiveStream:
             if self._ahead < loading_of(self.job).low + _LATE:
                 # Further lines would come too late: come to rest on the path, while enough lines for this are
                 # ahead.
-                yield from self._hold(f"low water: {self._ahead} lines ahead")
-                operation.remark("something delays this computer or the link: `yarc doctor`", warning=True)
+                yield from self._hold(f"buffer low: {self._ahead} lines ahead")
+                operation.remark("this computer or the link is too slow: run `yarc doctor`", warning=True)
                 raise Stopped(abort=False)
             yield from self._fill(self._live.lead)
         elif now >= self._status_due - self._look / 2.0:
@@ -185,8 +185,8 @@ class LiveStream:
         self._moves += len(lines)
         if source.ended:
             stand = lines[-1] if lines else ""
-            # When the line that disarms the guard is executed, more lines must still be ahead than the guard
-            # requires.
+            # when the line that disarms the guard is executed, the buffer must contain more lines than the
+            # guard requires
             behind = (stand,) * (loading_of(self.job).low + AHEAD + _LATE if stand else 0)
             lines = (*lines, f"{ARMED}=0", *behind)
         yield from self._write(lines)
@@ -231,7 +231,7 @@ class LiveStream:
             )
             why = silence if flow.watched == HELD else "the guard PLC holds: the buffer ran low"
             yield from self._hold(why)
-            self.operation.remark("something delays this computer or the link: `yarc doctor`", warning=True)
+            self.operation.remark("this computer or the link is too slow: run `yarc doctor`", warning=True)
             raise Stopped(abort=False)
         yield from self._stop_for_others(self.supervision.changed(flow, moving=True))
 
@@ -246,7 +246,9 @@ class LiveStream:
                 yield from self.operation.ask(slew)
             yield from self._hold(changes)
             raise Trouble(
-                f"somebody else uses this controller: {changes}", "find out who, and put it back", "Y1605"
+                f"another client uses this controller: {changes}",
+                "find the client, and restore the value",
+                "Y1605",
             )
 
     # orders
@@ -270,7 +272,7 @@ class LiveStream:
                         yield from operation.abort()
                     raise Stopped(abort=True)
                 if self.begun:
-                    yield from self._hold("a stop was asked for")
+                    yield from self._hold("stop requested")
                 if isinstance(order, Fail):
                     raise Trouble(order.what, order.remedy, code="")
                 raise Stopped(abort=False)

@@ -12,9 +12,11 @@ from yarclang.runtime.job import Job
 class Loading:
     """Data for loading a rotary buffer.
 
-    `setup` are the lines that are sent before the buffer is opened, one command each. `words` is the size of
-    the buffer. `low` is the number of lines below which the guard PLC holds (I16), and `full` the number from
-    which the buffer counts as full (I17).
+    Attributes:
+        setup: lines that are sent before the buffer is opened, one command each.
+        words: size of the buffer [words].
+        low: number of lines below which the guard PLC holds (I16).
+        full: number of lines from which the buffer counts as full (I17).
     """
 
     setup: tuple[str, ...]

@@ -46,7 +46,7 @@ class Remembered:
         if reply == self.reply:
             return ""
         if len(self.question.parts) == 1:
-            return f"{self.question.subjects[0]} is another one than before"
+            return f"{self.question.subjects[0]} has changed"
         if len(reply) != len(self.reply):
             return f"{len(reply)} values answer {self.question.line!r} instead of {len(self.reply)}"
         differences = [
@@ -77,6 +77,6 @@ class Memory:
 
 
 def _named(subject: str) -> str:
-    """Return a name with its explanation in brackets, as a sentence needs it."""
+    """Return the name of a setting, with its explanation in brackets."""
     name, comma, what = subject.partition(", ")
     return f"{name} ({what})" if comma else name

@@ -31,8 +31,8 @@ class Control:
 
 @dataclass(frozen=True, slots=True)
 class Write:
-    """Send lines of which the controller executes all up to the first error (WRITEBUFFER). Answered by
-    `Written`. `yarclang.runtime.pmac.packets.fitting` returns how many lines fit.
+    """Send lines (WRITEBUFFER). The controller executes them up to the first error. Answered by `Written`.
+    `yarclang.runtime.pmac.packets.fitting` returns how many lines fit into one `Write`.
     """
 
     lines: tuple[str, ...]
@@ -40,7 +40,7 @@ class Write:
 
 @dataclass(frozen=True, slots=True)
 class Send:
-    """Execute a line and leave its reply at the controller (SENDLINE). Answered by `Taken`."""
+    """Execute a line, whose reply the controller keeps until `Fetch` (SENDLINE). Answered by `Taken`."""
 
     line: str
 
@@ -101,11 +101,13 @@ class Busy:
 
 @dataclass(frozen=True, slots=True)
 class Written:
-    """Answer to `Write`: the controller has accepted all lines (`error` is None); or only the lines before
-    `line`, and has refused `line`.
+    """Answer to `Write`: the controller has accepted all lines, or only the lines before `line`.
 
-    `line` is the controller's number of the line. It isn't known if a real controller begins with 0 or 1; the
-    simulator begins with 1.
+    Attributes:
+        request: the request.
+        error: number of the error for which `line` was refused; None if all lines were accepted.
+        line: the controller's number of the refused line. It isn't known if a real controller begins with 0
+            or 1; the simulator begins with 1.
     """
 
     request: Write

@@ -19,7 +19,7 @@ PATIENCE = 2.0
 _AGAIN = 0.02
 """Pause before a question to a busy controller is repeated [s]."""
 
-_ODD_REPLY = "somebody else may use this controller; run `yarc doctor`"
+_ODD_REPLY = "another client may use this controller; run `yarc doctor`"
 
 ABORT_ALL = "\x01"
 HOLD_ALL = "\x0f"
@@ -84,7 +84,7 @@ class Operation(operation.Operation):
                         raise Trouble(
                             f"the controller has been busy for {self.patience:g} s and doesn't answer "
                             f"{line!r}",
-                            "wait for its SAVE or download to end, or look at what else uses it",
+                            "wait for its SAVE or download to end, or find other clients of it",
                         )
                     yield Wait(self.now + _AGAIN)
                 case _:
@@ -95,7 +95,7 @@ class Operation(operation.Operation):
         items = yield from self.ask(line)
         if len(items) != 1:
             raise Trouble(
-                f"the controller answers {line!r} with {len(items)} values instead of one", _ODD_REPLY
+                f"the controller answers {line!r} with {len(items)} values instead of 1", _ODD_REPLY
             )
         return items[0]
 
@@ -130,7 +130,7 @@ class Operation(operation.Operation):
             raise _lost(event)
 
     def write(self, lines: tuple[str, ...]) -> Script[Written]:
-        """Write lines by WRITEBUFFER; the returned event says if all of them were taken."""
+        """Write lines by WRITEBUFFER. The returned event says if the controller has accepted all of them."""
         self.give_way()
         event = yield Write(lines)
         if not isinstance(event, Written):

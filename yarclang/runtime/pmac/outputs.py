@@ -12,8 +12,8 @@ from yarclang.runtime.pmac.operation import Operation
 class Outputs:
     """The outputs for which a job has declared a safe value.
 
-    The value of an output in the program is derived from the executed lines. Asking the controller wouldn't
-    help: its guard may already have set the output to its safe value.
+    The value of an output in the program is derived from the executed lines. The controller can't be asked
+    for this value: after `secure`, the output has its safe value.
     """
 
     def __init__(self, job: Job) -> None:

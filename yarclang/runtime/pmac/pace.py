@@ -12,7 +12,9 @@ from yarclang.runtime.pmac.supervision import wound_up
 from yarclang.units import MS
 
 OTHER_PACE = 0.2
-"""Share by which time may pass faster or slower on a real controller."""
+"""Largest relative difference between the rate of a real controller's time and the rate of this computer's
+time.
+"""
 
 OTHER_PACE_REMEDY = (
     "run `yarc sim` without --rate, or let `yarc run` simulate the robot itself: without --to, with --rate"
@@ -20,7 +22,7 @@ OTHER_PACE_REMEDY = (
 
 _WOUND_UP = 60.0
 """Time to which the watchdog timer is set for the measurement [s of the controller]. It is so long that the
-timer doesn't run down meanwhile, even in a fast simulator.
+timer doesn't run down during the measurement, even in a fast simulator.
 """
 
 _MEASURED = 0.2

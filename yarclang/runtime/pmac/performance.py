@@ -47,14 +47,16 @@ AGAIN_FOR = 10.0
 _AGAIN_EACH = 0.5
 
 _HELD_WITHIN = 3.0
-"""Time to wait for rest after a hold [s], in addition to four hold times. If the robot still moves then, a
-hold can't stop it.
+"""Time to wait for rest after a hold, in addition to four hold times [s]. If the robot moves even after this
+time, the hold can't stop it.
 """
 
 _ABORTED = "aborted: off its path"
 
 _MOTOR_FAULT = "Y1602"
-"""Code of the finding that a motor can't move; another client may have changed the motor's limits."""
+"""Code of the finding that a motor can't move. After this fault the settings are compared again, since
+another client may have changed the motor's limits.
+"""
 
 _PATIENCE_AT_REST = 10.0
 """Longest time that a controller may be busy while only the robot's position is asked for [s]."""
@@ -68,18 +70,18 @@ def connect(operation: Operation) -> Script[None]:
     """
     outcome = yield Connect()
     if isinstance(outcome, Unreachable):
-        raise Trouble(outcome.reason, "check the address, the cable, and that the controller is on")
+        raise Trouble(outcome.reason, "check the address, the cable, and the controller's power")
     assert isinstance(outcome, Connected)
     try:
         yield from _greet(operation)
     except TooLate as late:
         raise Trouble(
             f"the controller at that address answers too slowly, or not at all: {late}",
-            "look whether it hangs, what else keeps it busy, and how fast the link is",
+            "check whether it hangs or is busy, and how fast the link is",
         ) from None
     except Lost as lost:
         raise Trouble(
-            f"there is something at that address, but it doesn't answer as a PMAC: {lost}",
+            f"the device at that address doesn't answer like a PMAC: {lost}",
             "check the address",
         ) from None
     if operation.state is State.DISCONNECTED:
@@ -109,7 +111,7 @@ def look(operation: Operation, robot: Robot, items: Sequence[Item]) -> Script[In
     try:
         inspection = yield from inspect(operation, robot, items)
     except Lost as lost:
-        raise Trouble(f"the connection was lost while looking at the controller: {lost}") from None
+        raise Trouble(f"the connection was lost while checking the controller: {lost}") from None
     if operation.state is State.FAULT and not inspection.errors:
         operation.go(Event.CLEAR, "the controller was checked: all checks passed")
     return inspection
@@ -132,16 +134,17 @@ def perform(operation: Operation, job: Job) -> Script[Ended]:
 
     At the end the robot is at rest, or the result states that the robot's state isn't known.
     """
+    operation.stay_awake()
     if operation.state is not State.STOP:
-        problem = f"nothing is begun in state {operation.state.value}"
-        return Ended(False, problem, "look at the controller first: `yarc doctor`")
+        problem = f"nothing can be started in state {operation.state.value}"
+        return Ended(False, problem, "check the controller first: `yarc doctor`")
     work = perform_legs(operation, job, _stream) if job.legs else _stream(operation, job)
     ended = yield from work
     if ended.well and job.outputs:
         try:
             yield from Outputs(job).secure(operation)
         except (Trouble, Lost) as trouble:
-            problem = f"the program has ended, but its outputs can't be made safe: {trouble}"
+            problem = f"the program has ended, but its outputs can't be set to their safe values: {trouble}"
             operation.go(
                 Event.FAULT, problem, trouble.code if isinstance(trouble, Trouble) else LOST, "look at them"
             )
@@ -157,8 +160,8 @@ def _stream(operation: Operation, job: Job) -> Script[Ended]:
 def perform_live(operation: Operation, live: Live) -> Script[Ended]:
     """Carry out a live motion on a controller that was inspected, as `perform` does with a job."""
     if operation.state is not State.STOP:
-        what = f"nothing is begun in state {operation.state.value}"
-        return Ended(False, what, "look at the controller first: `yarc doctor`")
+        what = f"nothing can be started in state {operation.state.value}"
+        return Ended(False, what, "check the controller first: `yarc doctor`")
     return (yield from _carried_out(operation, LiveStream(operation, live)))
 
 
@@ -212,7 +215,7 @@ def _left_at_rest(operation: Operation, stream: Stream | LiveStream, way: str) -
         )
     if way:
         operation.orders.clear()
-        what = f"the motion is left: back along its path, then away by {way}"
+        what = f"the motion is abandoned: back along its path, then away by {way}"
         operation.go(Event.STOP, what)
         return replace(_ended(stream, what, "", joints, Trouble("", code="")), leaves=way)
     operation.go(Event.END)
@@ -236,8 +239,8 @@ def _settle(operation: Operation, stream: Stream | LiveStream, event: Event, cau
             and (told := (yield from stream.supervision.compare(all_=True)))
         ):
             problem, remedy = (
-                f"{problem}; and since it was checked, {told}",
-                "find out who else uses this controller",
+                f"{problem}; and since the check, {told}",
+                "find other clients of this controller",
             )
         yield from Outputs(stream.job).secure(operation)
     except Trouble as trouble:
@@ -250,7 +253,8 @@ def _settle(operation: Operation, stream: Stream | LiveStream, event: Event, cau
 
 
 def _end_at_rest(operation: Operation, robot: Robot) -> Script[tuple[Array | None, bool]]:
-    """Wait for rest, and end the program on the controller. If a person orders an abort meanwhile, abort.
+    """Wait for rest, and end the program on the controller. If a person orders an abort during the wait,
+    abort.
 
     Returns:
         The robot's joint positions, and True if the motion was aborted. The positions are None after a reset,
@@ -282,7 +286,7 @@ def _end_at_rest(operation: Operation, robot: Robot) -> Script[tuple[Array | Non
 def _recover(operation: Operation, stream: Stream | LiveStream, reason: str) -> Script[Ended]:
     """Recover from a lost connection: make another one, hold the motion, and read the robot's position.
 
-    The guard PLC holds the motion when the buffer runs low.
+    Until there is another connection, the guard PLC holds the motion when the buffer runs low.
     """
     operation.go(Event.LOST, reason, LOST)
     operation.watch = ()
@@ -308,17 +312,17 @@ def _recover(operation: Operation, stream: Stream | LiveStream, reason: str) -> 
                 return _ended(stream, f"{problem}; then: {trouble.what}", trouble.remedy, None)
             else:
                 remedy = (
-                    "find out why, run `yarc doctor`, then go on with --from"
+                    "find the cause, run `yarc doctor`, then continue with --from"
                     if joints is not None
                     else RESET_REMEDY
                 )
                 operation.go(Event.FAULT, problem, LOST, remedy)
                 return _ended(stream, problem, remedy, joints)
         if operation.now >= until:
-            silence = f"when it has received nothing from this computer for {operation.silence:.2g} s"
+            silence = f"after {operation.silence:.2g} s without data from this computer"
             remedy = (
-                f"its guard PLC holds the motion on the path {silence}; look at the robot, then run "
-                f"`yarc doctor`"
+                f"its guard PLC holds the motion on the path {silence}; inspect the robot, then run "
+                "`yarc doctor`"
             )
             operation.go(Event.FAULT, problem, LOST, remedy)
             return _ended(
@@ -333,7 +337,7 @@ def _reason(outcome: object) -> str:
 
 
 _LOST = Trouble("", code=LOST)
-"""The fault that the connection was lost."""
+"""The fault that is reported if the connection was lost."""
 
 
 def _ended(
@@ -362,7 +366,7 @@ def end_leftovers(operation: Operation, robot: Robot) -> Script[bool]:
     buffer.
 
     This is done only if the robot is at rest with all loops closed. A controller on which something moves, or
-    has an open loop, is left unchanged.
+    a loop is open, is left unchanged.
 
     Returns:
         True if a program was ended.
@@ -373,13 +377,13 @@ def end_leftovers(operation: Operation, robot: Robot) -> Script[bool]:
         return False
     yield from come_to_rest(operation, robot)
     yield from leave(operation, robot)
-    operation.remark("a program that was left in the middle is ended where the robot stands", warning=True)
+    operation.remark("an unfinished program is ended at the robot's position", warning=True)
     return True
 
 
 def end_what_runs(operation: Operation, robot: Robot, *, abort: bool) -> Script[Array | None]:
-    """Hold or abort everything that the coordinate system does, and end its program at rest. For a controller
-    on which no job of this process runs.
+    """Hold or abort everything that the coordinate system does, and end its program at rest. This script is
+    for a controller on which no job of this process runs.
 
     Args:
         operation: state of the run, and access to the controller.
@@ -398,5 +402,5 @@ def end_what_runs(operation: Operation, robot: Robot, *, abort: bool) -> Script[
     if joints is None:
         operation.remark(f"the controller was reset: {RESET_REMEDY}", warning=True)
     else:
-        operation.remark(f"the robot stands at {described(robot, joints)}")
+        operation.remark(f"the robot is at {described(robot, joints)}")
     return joints

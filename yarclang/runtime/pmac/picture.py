@@ -34,14 +34,14 @@ def picture(operation: Operation, robot: Robot) -> Script[Picture]:
     if not system.running:
         program = f"none runs in coordinate system {number}"
     elif all(motor.at_rest for motor in motors):
-        program = "one is in the middle, held or starved: `yarc stop --to ...` ends it"
+        program = "one is unfinished: held, or waiting for lines; end it with `yarc stop --to ...`"
     else:
         program = "one runs"
     words = {
         motor: _motor_words(status) for motor, status in zip(robot.controller.motors, motors, strict=True)
     }
     places = yield from _places(operation, robot)
-    guarding = f"{_GUARD.get(guard, 'a value that nobody writes')} ({ARMED} is {guard:g})"
+    guarding = f"{_GUARD.get(guard, 'an undefined value')} ({ARMED} is {guard:g})"
     return Picture(
         f"{kind} (CID {identity})", firmware, program, round(override, 3), guard, guarding, words, places
     )

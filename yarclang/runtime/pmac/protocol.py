@@ -1,8 +1,8 @@
 """The client's end of the controller's Ethernet protocol, without a socket and without a clock.
 
 A `Connection` turns requests into bytes to send, and received bytes into events. One request waits for its
-reply at a time. Replies longer than a packet are fetched to their end; the necessary requests are in
-`outgoing()`, so send its bytes after each call. The controller must run with I3=2 and I6=1: ask `GREETING`
+reply at a time. A reply that is longer than a packet is fetched by further requests. `outgoing()` returns
+these requests, so send its bytes after each call. The controller must run with I3=2 and I6=1: ask `GREETING`
 first.
 
 A late reply doesn't identify its request. A connection on which a reply is missing, or whose bytes can't be a
@@ -137,7 +137,9 @@ class Connection:
         return packet
 
     def outgoing(self) -> bytes:
-        """Return bytes to send now, each once, including requests for the rest of a long reply."""
+        """Return the bytes to send now, including requests for the rest of a long reply. Each byte is
+        returned once.
+        """
         data = bytes(self._out)
         self._out.clear()
         return data
@@ -154,7 +156,7 @@ class Connection:
         request = self._request
         match request:
             case None:
-                return (self._violated("bytes that nobody asked for"),)
+                return (self._violated("unexpected bytes"),)
             case Ask() | Fetch():
                 return self._text(request, data, now)
             case AskControl():
@@ -207,7 +209,7 @@ class Connection:
                 self._in += part
                 at, self._piece = at + len(part), self._piece + len(part)
                 if self._piece == pmac.MOST_REPLY and not self._fetch_more(now):
-                    return (self._violated("a reply without end"),)
+                    return (self._violated("a reply that doesn't end"),)
                 continue
             self._in += part[:end]
             rest, byte = data[at + end + 1 :], part[end]
@@ -216,7 +218,7 @@ class Connection:
                 self._in.append(byte)
                 self._bell, at, self._piece = True, at + end + 1, self._piece + end + 1
                 if self._piece == pmac.MOST_REPLY and not self._fetch_more(now):
-                    return (self._violated("a reply without end"),)
+                    return (self._violated("a reply that doesn't end"),)
                 continue
             if byte == pmac.CR:
                 return self._finish(self._refusal(request), rest)
@@ -273,7 +275,7 @@ class Connection:
         if isinstance(event, Violation):
             self._lose()
             return (event,)
-        return (event, self._violated("bytes that nobody asked for")) if rest else (event,)
+        return (event, self._violated("unexpected bytes")) if rest else (event,)
 
     def _violated(self, reason: str) -> Violation:
         violation = Violation(self._request, reason)

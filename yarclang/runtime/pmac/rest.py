@@ -24,7 +24,7 @@ from yarclang.runtime.pmac.operation import Operation
 from yarclang.runtime.standing import off_the_start
 
 LONGEST = 15.0
-"""Longest time to wait for rest [s]; a robot that still moves after this time won't stop by itself."""
+"""Longest time to wait for rest [s]. A robot that moves even after this time won't stop by itself."""
 
 _POLL = 0.02
 
@@ -70,8 +70,8 @@ def system_words(operation: Operation, robot: Robot) -> Script[SystemStatus]:
 def come_to_rest(
     operation: Operation, robot: Robot, longest: float = LONGEST
 ) -> Script[tuple[MotorStatus, ...]]:
-    """Wait until no motor has a desired velocity in two consecutive readings, and no hold can still be in
-    progress. Return the motors' status words.
+    """Wait until no motor has a desired velocity in two consecutive readings, and until every hold must be
+    over. Return the motors' status words.
 
     Args:
         operation: state of the run, and access to the controller.
@@ -79,7 +79,7 @@ def come_to_rest(
         longest: longest time to wait [s].
 
     Raises:
-        Trouble: a motor still moves after `longest`.
+        Trouble: a motor moves even after `longest`.
     """
     since = operation.now
     reads_at_rest = 0
@@ -97,7 +97,7 @@ def come_to_rest(
             ]
             raise Trouble(
                 f"after {longest:g} s the robot still moves (motor {', '.join(map(str, moving))})",
-                "use the hardware's emergency stop if it shouldn't",
+                "if it shouldn't move, press the emergency stop",
             )
         yield Wait(operation.now + _POLL)
 
@@ -105,8 +105,8 @@ def come_to_rest(
 def leave(operation: Operation, robot: Robot) -> Script[None]:
     """Leave the controller in a known state, with the robot at rest.
 
-    Close all buffers, disarm the guard and the watchdog, end a program that runs (such as one in a hold or
-    with an empty rotary), end a hold, discard the remaining lines, and set the override to 100 %. The command
+    Close all buffers, and disarm the guard and the watchdog. End a program that runs, even in a hold or with
+    an empty rotary, and end the hold. Discard the remaining lines, and set the override to 100 %. The command
     A ends programs and holds. It would also close the loops of killed motors; it is therefore omitted if a
     loop is open and no program runs.
     """
@@ -146,7 +146,7 @@ def away_from_start(
     Args:
         operation: state of the run, and access to the controller.
         job: the job.
-        remedy: what people should do if the robot isn't there.
+        remedy: what people should do if the robot isn't at the start.
 
     Raises:
         Trouble: a joint is further from the start than the first segment allows.

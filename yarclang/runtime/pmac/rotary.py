@@ -19,7 +19,7 @@ from yarclang.runtime.pmac.watching import look_at_motors
 from yarclang.units import MS
 
 _SHARE = 0.7
-"""Share of the connection's speed that a program may need."""
+"""Largest share of the connection's speed that a program may need."""
 
 _WITHIN_RESERVE = 12
 """Minimum number of exchanges with the controller while a full buffer runs down to its low mark. If there is
@@ -27,7 +27,7 @@ time for fewer exchanges, some refills come too late (found by experiment).
 """
 
 _SHORTEST = 1.0
-"""Minimum duration of the program in a rotary buffer [s]."""
+"""Shortest part of a program for which a rotary buffer must have room [s], unless the whole program fits."""
 
 
 class Rotary:
@@ -57,8 +57,8 @@ class Rotary:
         if not job.fits and held < _SHORTEST:
             raise Trouble(
                 f"the rotary buffer of {loading_of(job).words} words holds {held:.2f} s of the program: "
-                f"at least {_SHORTEST:g} s are wanted",
-                "compile the program again: yarcc chooses the size",
+                f"at least {_SHORTEST:g} s are needed",
+                "compile the program again: yarcc selects the size",
             )
         for line in loading_of(job).setup:
             yield from self.operation.ask(line)
@@ -80,9 +80,10 @@ class Rotary:
         opens = written.error == BUFFER_IN_USE and (written.line or 0) <= 1
         raise Trouble(
             _refusal(written, self.feed.sent),
-            "somebody else has a buffer of this controller open: find out who, and CLOSE it there"
+            "another client has opened a buffer of this controller: find the client, and CLOSE the "
+            "buffer there"
             if opens
-            else "the robot ends at rest; run `yarc doctor`, then the program again",
+            else "the robot comes to rest; run `yarc doctor`, then the program again",
             "Y1603",
             self.feed.sent + max((written.line or 2) - 2, 0),
         )
@@ -91,7 +92,7 @@ class Rotary:
         """Ask how many lines are in the buffer, together with the other values of a `Flow`.
 
         Raises:
-            Lost: the answer has more lines in the buffer than were sent.
+            Lost: the answer reports more lines in the buffer than were sent.
         """
         operation, feed = self.operation, self.feed
         asked = operation.now
@@ -110,11 +111,11 @@ class Rotary:
         if self.feed.at_most == 0 and self.feed.left:
             yield from look_at_motors(self.operation, self.job.robot)
             raise Trouble(
-                f"underrun: the rotary ran dry with {self.feed.left} lines to come; the robot comes to "
+                f"underrun: the rotary buffer ran dry with {self.feed.left} lines to come; the robot "
+                "comes to "
                 f"rest off its path",
-                "find out what delayed this computer or the link, or who else uses this controller; the "
-                "guard PLC should have held before "
-                "(`yarc doctor`)",
+                "run `yarc doctor`: this computer or the link was too slow, or another client uses this "
+                "controller, and the guard PLC didn't hold in time",
                 "Y1607",
             )
 
@@ -132,8 +133,8 @@ class Rotary:
         job, feed = self.job, self.feed
         if feed.at_most != feed.sent:
             raise Trouble(
-                f"the controller counts {feed.at_most} lines in its buffer, of {feed.sent} that were sent",
-                "somebody else may use this controller; run `yarc doctor`",
+                f"the controller counts {feed.at_most} lines in its buffer, but only {feed.sent} were sent",
+                "another client may use this controller; run `yarc doctor`",
             )
         if job.fits or spent <= 0.0:
             return
@@ -160,7 +161,7 @@ def _refusal(written: Written, sent: int) -> str:
     at = max(written.line or 0, 1)
     meaning = ERRORS.get(error, "an error that isn't documented")
     if error == NO_ROOM:
-        meaning += ", though there should be"
+        meaning += ", although there should be"
     text = lines[at - 1]
     if text in AROUND:
         return f"the controller refuses {text!r}: ERR{error:03d}, {meaning}"

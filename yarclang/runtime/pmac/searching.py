@@ -5,15 +5,13 @@ the search has ended. No I/O.
 from __future__ import annotations
 
 from yarclang.robot.model import Array
-from yarclang.runtime.actions import PROGRAM_UNKNOWN, Replan, Replanned, Script, Trouble, Wait
+from yarclang.runtime.actions import PROGRAM_UNKNOWN, Replan, Replanned, Script, Trouble
 from yarclang.runtime.job import Job, Leg
-from yarclang.runtime.notices import Hold, Planned
-from yarclang.runtime.pmac.asked import LOOK
+from yarclang.runtime.notices import Planned
 from yarclang.runtime.pmac.assigning import keep
 from yarclang.runtime.pmac.held import Held, title
 from yarclang.runtime.pmac.operation import Operation
-from yarclang.runtime.pmac.waiting import obey
-from yarclang.runtime.state import Event
+from yarclang.runtime.pmac.waiting import obey_or_hold
 from yarclang.units import MM
 
 _STEP = 0.01
@@ -21,8 +19,8 @@ _STEP = 0.01
 
 
 def found_at(operation: Operation, job: Job, place: int, joints: Array, held: Held) -> Script[list[Job]]:
-    """Store the distance that a search has covered in its register, and have the next steps planned from the
-    robot's position.
+    """Store the distance covered by a search in the search's register, and have the next steps planned from
+    the robot's position.
 
     Args:
         operation: state of the run, and access to the controller.
@@ -48,13 +46,15 @@ def found_at(operation: Operation, job: Job, place: int, joints: Array, held: He
     answer = yield Replan(job.offset + leg.job.offset + command.begins, joints)
     if not isinstance(answer, Replanned):
         raise Trouble(
-            f"{title(barrier)}: {search.name} was found, and what follows can't be done from here: "
+            f"{title(barrier)}: {search.name} was found, but what follows isn't possible from here: "
             f"{answer or PROGRAM_UNKNOWN}",
-            "the robot stands where it was found; move it from there by hand, or with --approach",
+            "the robot is at the place where it was found; move it from there by hand, or with --approach",
             "Y1638",
         )
     if not _do_the_same(answer.jobs, job.legs[place + 1 :]):
-        raise Trouble(f"{title(barrier)}: what was planned from here isn't what the text does", code="Y1638")
+        raise Trouble(
+            f"{title(barrier)}: the motions planned from here differ from those of the text", code="Y1638"
+        )
     held.registers[search.flag] = 1
     depth = round(answer.length / MM / _STEP)
     if search.depth:
@@ -70,27 +70,11 @@ def found_at(operation: Operation, job: Job, place: int, joints: Array, held: He
         held.registers[register.name] = depth
     for replanned in answer.jobs:
         operation.notices.append(Planned(operation.now, replanned.text, replanned.certificate))
-    way = f", {answer.length / MM:.2f} mm from where it began" if answer.length else ""
+    way = f", {answer.length / MM:.2f} mm from the start of the motion" if answer.length else ""
     follows = f"; what follows is planned and proved from there ({operation.now - since:.3f} s)"
     operation.remark(f"{title(barrier)}: {search.name} found{way}{follows if answer.jobs else ''}")
-    yield from held_meanwhile(operation, f"where {search.name} was found")
+    yield from obey_or_hold(operation, job, f"where {search.name} was found")
     return list(answer.jobs)
-
-
-def held_meanwhile(operation: Operation, place: str) -> Script[None]:
-    """Carry out orders that were given while the robot came to rest, or during planning. A hold lasts until a
-    person resumes.
-
-    Args:
-        operation: state of the run, and access to the controller.
-        place: where the robot stands, in words.
-    """
-    holds = any(isinstance(order, Hold) for order in operation.orders)
-    if not (yield from obey(operation)) and holds:
-        operation.go(Event.HOLD, f"held {place}; Enter or `yarc resume` goes on")
-        while not (yield from obey(operation)):
-            yield Wait(operation.now + LOOK)
-        operation.go(Event.END, "the operator goes on")
 
 
 def _do_the_same(jobs: tuple[Job, ...], legs: tuple[Leg, ...]) -> bool:

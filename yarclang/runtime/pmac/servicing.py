@@ -25,7 +25,7 @@ _WITHIN = 1.0
 """Longest time for closing or opening a loop [s]."""
 
 _SETTLES = 0.1
-"""Time after a loop is closed until its motor must stand [s]."""
+"""Time that a motor has to come to rest after its loop was closed [s]."""
 
 _POLL = 0.02
 
@@ -57,8 +57,8 @@ def check_rest(operation: Operation, robot: Robot) -> Script[None]:
             raise Trouble(f"motor {number} moves", "wait until it rests, or stop it", "Y1612")
     words = yield from system_words(operation, robot)
     if words.running:
-        what = "a program is in the middle on the controller, held or starved"
-        raise Trouble(what, "end it where the robot stands: `yarc stop --to ...`", "Y1612")
+        what = "a program is unfinished on the controller: held, or waiting for lines"
+        raise Trouble(what, "end it at the robot's position with `yarc stop --to ...`", "Y1612")
 
 
 def enable(operation: Operation, robot: Robot) -> Script[str]:
@@ -74,7 +74,7 @@ def enable(operation: Operation, robot: Robot) -> Script[str]:
     yield from check_rest(operation, robot)
     for row, motor in enumerate(robot.controller.motors):
         if is_ended(operation):
-            return f"stopped before motor {motor}: its loop stays open"
+            return f"stopped before motor {motor}: its loop remains open"
         if told := (yield from _close(operation, robot, row)):
             return f"motor {motor}: {told}"
     return ""
@@ -86,7 +86,7 @@ def _close(operation: Operation, robot: Robot, row: int) -> Script[str]:
     if not status.has("open loop") and not status.faulted:
         return ""
     if status.has("amplifier fault"):
-        return "its amplifier reports a fault: look at the drive, then try again"
+        return "its amplifier reports a fault: check the drive, then try again"
     if not status.has("activated"):
         return f"it isn't activated: {motor_variable(number, 0)} is 0"
     before = (yield from _places(operation, robot))[row]
@@ -97,8 +97,7 @@ def _close(operation: Operation, robot: Robot, row: int) -> Script[str]:
     closed = yield from _become(operation, robot, row, is_open=False)
     if not closed:
         return (
-            f"its loop isn't closed {_WITHIN:g} s after it was asked to: look at the drive and its "
-            f"enabling circuit"
+            f"its loop isn't closed {_WITHIN:g} s after the request: check the drive and its enabling circuit"
         )
     yield Wait(operation.now + _SETTLES)
     heard = yield from sample(operation, robot, 0.0)
@@ -106,9 +105,9 @@ def _close(operation: Operation, robot: Robot, row: int) -> Script[str]:
     moved, lag = abs(heard.actual[row] - before), abs(heard.following[row])
     if max(moved, lag) > allowed:
         return (
-            f"it doesn't stay where it was: it moved by {moved:.0f} counts and lags by {lag:.0f}, at "
-            f"most {allowed:.0f} are allowed; "
-            "disable the motors, and look at its brake, tuning and encoder"
+            f"it doesn't hold its position: it moved by {moved:.0f} counts with a following error of "
+            f"{lag:.0f}, and {allowed:.0f} are allowed; disable the motors, and check its brake, tuning "
+            "and encoder"
         )
     return ""
 
@@ -145,7 +144,7 @@ def disable(operation: Operation, robot: Robot) -> Script[str]:
         except Refused as refused:
             return f"motor {motor}: {refused}"
         if not (yield from _become(operation, robot, row, is_open=True)):
-            return f"motor {motor}: its loop isn't open {_WITHIN:g} s after it was asked to"
+            return f"motor {motor}: its loop isn't open {_WITHIN:g} s after the request"
     return ""
 
 
@@ -168,7 +167,7 @@ def check_open(operation: Operation, robot: Robot) -> Script[None]:
     if closed:
         raise Trouble(
             f"settings are sent with all loops open: motor {', '.join(closed)} is closed-loop",
-            "secure the arm, then disable the motors",
+            "secure the arm against falling, then disable the motors",
             "Y1612",
         )
     scales = yield from operation.numbers(
@@ -177,9 +176,8 @@ def check_open(operation: Operation, robot: Robot) -> Script[None]:
     for number, motor, found in zip(numbers, motors, scales, strict=True):
         if motor.has("home complete") and found != scale:
             raise Trouble(
-                f"motor {number} was homed with {motor_variable(number, 8)}={found:g}, and the settings "
-                f"have {scale}: its position would be "
-                "another one, and still count as homed",
+                f"motor {number} was homed with {motor_variable(number, 8)}={found:g}, but the settings "
+                f"have {scale}: its position would change although it counts as homed",
                 "reset the controller ($$$), send the settings, then home the motor",
                 "Y1612",
             )
@@ -199,7 +197,8 @@ def send(operation: Operation, lines: Sequence[str]) -> Script[Sent]:
     """
     operation.go(Event.FAULT, "settings are being sent to the controller")
     for number, line in enumerate(lines):
-        problem, remedy = "", "the controller has a part of the settings: find out why, and send them again"
+        problem = ""
+        remedy = "the controller has only a part of the settings: find the cause, and send them again"
         if is_ended(operation):
             problem = "stopped by a person"
         else:
@@ -217,7 +216,7 @@ def send(operation: Operation, lines: Sequence[str]) -> Script[Sent]:
                     )
         if problem:
             with contextlib.suppress(Refused, Trouble):
-                yield from operation.ask("CLOSE")  # a PLC may be half loaded
+                yield from operation.ask("CLOSE")  # the PLC's buffer may be open, with a part of the PLC
             operation.go(
                 Event.FAULT, f"the settings were sent in part, {number} of {len(lines)} lines: {problem}"
             )

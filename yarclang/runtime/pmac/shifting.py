@@ -1,5 +1,5 @@
-"""The lines of an OFFSET: planned and proved at run time with their frame where the values of registers have
-shifted it. No I/O.
+"""The lines of an OFFSET. They are planned and proved at run time, in a frame that is shifted by the values
+of registers. No I/O.
 """
 
 from __future__ import annotations
@@ -11,8 +11,8 @@ from yarclang.runtime.job import Job, Leg
 from yarclang.runtime.notices import Planned
 from yarclang.runtime.pmac.held import Held, title
 from yarclang.runtime.pmac.operation import Operation
-from yarclang.runtime.pmac.searching import deeds, held_meanwhile
-from yarclang.runtime.pmac.waiting import hold_with
+from yarclang.runtime.pmac.searching import deeds
+from yarclang.runtime.pmac.waiting import hold_with, obey_or_hold
 
 
 def shifted_by(operation: Operation, job: Job, place: int, joints: Array, held: Held) -> Script[list[Job]]:
@@ -33,7 +33,7 @@ def shifted_by(operation: Operation, job: Job, place: int, joints: Array, held: 
         The jobs to stream instead of the legs of the branch; empty if the branch can't be carried out.
 
     Raises:
-        Stopped: the run was stopped meanwhile.
+        Stopped: the run was stopped while the branch was planned, or during the hold.
     """
     barrier = job.legs[place].barrier
     assert barrier is not None
@@ -45,11 +45,11 @@ def shifted_by(operation: Operation, job: Job, place: int, joints: Array, held: 
         shift_text = shift_in_words(values, offset.registers)
         since = operation.now
         answer = yield from _planned(job, place, joints, values)
-        yield from held_meanwhile(operation, f"at {title(barrier)}")
+        yield from obey_or_hold(operation, job, f"at {title(barrier)}")
         if isinstance(answer, tuple):
             break
         refused = (
-            f"{title(barrier)}: with {{{offset.frame}}} shifted by {shift_text} it can't be done: "
+            f"{title(barrier)}: with {{{offset.frame}}} shifted by {shift_text} the motions aren't possible: "
             f"{answer or PROGRAM_UNKNOWN}"
         )
         if answer is None or not _has_no_else(job.legs, place):
@@ -60,10 +60,11 @@ def shifted_by(operation: Operation, job: Job, place: int, joints: Array, held: 
             job,
             barrier,
             held,
-            f"{refused}; nothing has moved; Enter or `yarc resume` tries it with what the registers are then",
+            f"{refused}; nothing has moved; try again with Enter or `yarc resume`, with the values that "
+            "the registers have then",
         )
     held.registers[offset.flag] = 1
-    for one in answer[:1]:  # all jobs are parts of one text
+    for one in answer[:1]:  # all jobs are parts of one controller text: report it once
         operation.notices.append(Planned(operation.now, one.text, one.certificate, "offset"))
     operation.remark(
         f"{title(barrier)}: {{{offset.frame}}} is shifted by {shift_text}; its lines are planned and proved "
@@ -86,13 +87,13 @@ def _planned(
     legs = job.legs[place + 1 : _end_of_branch(job.legs, place)]
     first = next((leg.job for leg in legs if leg.job is not None and leg.job.commands), None)
     if first is None:
-        return "nothing moves in it"
+        return "it contains no motion"
     begins = job.offset + first.offset + first.commands[0].begins
     planned: Replanned | str | None = yield Replan(begins, joints, values)
     if not isinstance(planned, Replanned):
         return planned
     if [deeds(one) for one in planned.jobs] != [deeds(leg.job) for leg in legs if leg.job is not None]:
-        return "other commands would move, set or wait there than without a shift"
+        return "the shift would change which commands are executed"
     return planned.jobs
 
 
@@ -111,13 +112,13 @@ def _values(offset: Shifted, held: Held) -> tuple[int, ...]:
 
 
 def _out_of_range(job: Job, offset: Shifted, values: tuple[int, ...]) -> str:
-    """Return a sentence about the first of an OFFSET's registers that is out of its range; empty if there
-    is none.
+    """Return a sentence about the first register of an OFFSET whose value is out of its range; empty if all
+    values are within their ranges.
     """
     ranges = {one.name: (one.low, one.high) for one in job.registers}
     for name, value in zip(offset.registers, values, strict=True):
         if name and not ranges[name][0] <= value <= ranges[name][1]:
-            return f"{name} is {value}, and its range is {ranges[name][0]}..{ranges[name][1]}"
+            return f"{name} is {value}, but its range is {ranges[name][0]}..{ranges[name][1]}"
     return ""
 
 

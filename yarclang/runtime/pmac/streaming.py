@@ -14,7 +14,7 @@ from yarclang.robot.actuation import to_counts
 from yarclang.runtime.actions import Found, Script, Stopped, Trouble, Wait
 from yarclang.runtime.job import Job, JobCommand
 from yarclang.runtime.notices import Abort, Fail, Hold, Override, Progress, Resume, Stop
-from yarclang.runtime.operation import URGENT, Interrupted
+from yarclang.runtime.operation import UNATTENDED, URGENT, Interrupted
 from yarclang.runtime.pmac.feed import AHEAD
 from yarclang.runtime.pmac.holding import Holding
 from yarclang.runtime.pmac.operation import Operation, Refused
@@ -35,10 +35,14 @@ STATUS_EACH = 0.1
 """Time between two questions for the status words [s]."""
 
 _OVERDUE = 0.4
-"""Largest delay of that question while lines have to be sent first [s]."""
+"""Time by which the question for the status words may be late because the number of lines in the buffer is
+asked for first [s].
+"""
 
 _EXCHANGES = 3
-"""Exchanges allowed between two questions for the number of lines ahead."""
+"""The number of lines in the buffer is asked for early if the buffer may need lines within this number of
+exchanges with the controller.
+"""
 
 _LINES_EACH = 0.05
 _WATCH_EACH = 0.005
@@ -47,9 +51,7 @@ question reads the inputs.
 """
 _PROGRESS_EACH = 0.25
 _STILL = 0.5
-"""Part of the time without motion after which a program with lines in the buffer counts as held by another
-client [s]. The other part is a multiple of the longest segment's duration.
-"""
+"""Constant part of `_patience` [s]. Its other part is proportional to the duration of the longest segment."""
 
 _LOOK = 0.01
 
@@ -115,7 +117,7 @@ class Stream:
         job, operation = self.job, self.operation
         executed = self._taken
         begins = job.time_of(executed)
-        # the controller executes no line after a dwell before the dwell is over
+        # a line after a dwell isn't executed before the dwell is over
         place = int(np.searchsorted(self._dwells, executed + AHEAD)) - 1
         if not self.begun or place < 0 or self._dwells[place] < executed:
             return begins
@@ -133,8 +135,8 @@ class Stream:
     def _dwells_on(self) -> bool:
         """Return True if the job ends with a dwell that may still be in progress.
 
-        The motors are at rest both during the dwell and after it. The first call, which must be at rest,
-        therefore starts the clock.
+        The motors are at rest both during the dwell and after it. The dwell is therefore timed from the first
+        call, so call this only when the motors are at rest.
         """
         job = self.job
         if not job.dwells or job.dwells[-1][0] < len(job.lines) - 1:
@@ -211,26 +213,29 @@ class Stream:
         if self._looks:
             flow = yield from self.rotary.ask()
             if told := self.supervision.held_by(flow):
-                # the same hold as in motion: R is sent when a person resumes
+                # this is a hold like one in motion: when a person resumes, R is sent
                 self.begun = True
                 yield from self.holding.for_input(told, moves=False)
                 return True
             if self.supervision.found(flow):
                 self.operation.go(Event.HOLD, self._found_message)
                 raise Found
-        yield from self.supervision.begin()
+        if not self.operation.slept:
+            yield from self.supervision.begin()
         self.begun = True
+        if self.operation.slept:
+            yield from self.holding.after_sleep()
+            return True
         try:
             yield from self.operation.ask("R")
         except Interrupted:
             self.begun = False
             raise
         except Refused:
-            # nothing moves; the status of the motors explains more than the refusal does
+            # nothing moves; the status of the motors shows the cause better than the refusal does
             self.begun = False
             yield from look_at_motors(self.operation, self.job.robot)
             raise
-        self.operation.slept = 0.0
         self.operation.settled = -math.inf
         self.operation.go(Event.BEGIN)
         return True
@@ -250,7 +255,7 @@ class Stream:
             yield from self._ask_lines()
         elif moving and feed.runs_low(now):
             if feed.heard_at < now:
-                # the last answer is old
+                # the last answer is out of date: ask again before a hold
                 yield from self._ask_lines()
             else:
                 yield from self.holding.for_low_water()
@@ -298,8 +303,9 @@ class Stream:
         """Compare the controller's state with the state in which this run has left it, and react to a
         difference.
 
-        An input that ends or holds the motion is handled first. After a hold by guard or watchdog, the buffer
-        is refilled and the motion continues. After any other change a person has to resume the motion.
+        An input that ends or holds the motion is handled first. After a hold by the guard or the watchdog,
+        this computer refills the buffer and the motion continues. After any other difference a person has to
+        resume the motion.
         """
         moving = self.operation.state is State.MOVE
         if moving and self.supervision.found(flow):
@@ -314,7 +320,7 @@ class Stream:
 
     @property
     def _found_message(self) -> str:
-        """Message for the moment at which a search finds its input."""
+        """Message that reports that a search has found its input."""
         one = self.job.search
         return "" if one is None else f"{one.name} ({one.variable}) is {state_text(one.value)}: found"
 
@@ -327,7 +333,7 @@ class Stream:
             yield from self.holding.for_others(told)
 
     def _tell_outputs(self, executed: int) -> None:
-        """Report each output that the first `executed` lines have set, once."""
+        """Report the outputs that the first `executed` lines have set, each assignment once."""
         operation, sets = self.operation, self.job.sets
         while self._outputs_told < len(sets) and sets[self._outputs_told][0] < executed:
             _, variable, value = sets[self._outputs_told]
@@ -343,7 +349,9 @@ class Stream:
         )
 
     def _time_left(self, done: float) -> float:
-        """Return the time left at the present override [s], which slows motions but not dwells."""
+        """Return the remaining time of the program at the present override [s]. The override slows motions,
+        but not dwells.
+        """
         job = self.job
         stands = sum(
             min(seconds, max(float(job.times[row]) + seconds - done, 0.0)) for row, seconds in job.dwells
@@ -382,12 +390,12 @@ class Stream:
             self._stands = operation.now, feed.executed
         elif operation.now - self._stands[0] > self._patience:
             self._stands = None
-            self.holding.by_nobody()
+            yield from self.holding.by_nobody()
 
     @property
     def _patience(self) -> float:
-        """Time without motion after which a program with lines in the buffer counts as held [s]. It is longer
-        than any segment.
+        """Time without motion after which a program with lines in the buffer counts as held by another client
+        [s]. It is longer than any segment.
         """
         return 3.0 * self._longest / max(self.operation.override, 0.01) + _STILL
 
@@ -409,11 +417,12 @@ class Stream:
                 raise Stopped(abort=True)
             if ending := next((order for order in orders if isinstance(order, Stop | Fail)), None):
                 orders.clear()
-                why = ending.what if isinstance(ending, Fail) else "a stop was asked for"
+                why = ending.what if isinstance(ending, Fail) else "stop requested"
                 if moved:
                     yield from self.holding.hold(why)
                 if isinstance(ending, Fail):
-                    raise Trouble(why, ending.remedy, code="")  # no command is at fault
+                    # no code: no command of the program is at fault
+                    raise Trouble(why, ending.remedy, code="")
                 raise Stopped(abort=False)
             if Hold() in orders:
                 if not moved:
@@ -423,8 +432,8 @@ class Stream:
                 continue
             match orders[0]:
                 case Resume() if operation.state is State.HOLD:
-                    operation.slept = 0.0
-                    yield from self._go_on()
+                    if not operation.ignores_resume():
+                        yield from self._go_on()
                 case Override(percent=percent):
                     before, operation.override = 100.0 * operation.override, percent / 100.0
                     yield from operation.ask(f"%{percent:g}")
@@ -446,11 +455,8 @@ class Stream:
             return
         self.holding.refilling = False
         if operation.state is State.MOVE:
-            yield from self.holding.hold(f"this process stood still for {slept:.0f} s")
-        operation.remark(
-            "the robot was unattended meanwhile: look at it, then Enter or `yarc resume` goes on",
-            warning=True,
-        )
+            yield from self.holding.hold(f"this process was suspended for {slept:.0f} s")
+        operation.remark(UNATTENDED, warning=True)
 
     # after the motion
 
@@ -487,10 +493,10 @@ class Stream:
         yield from look_at_program(operation, self.job.robot)
         if operation.now - self._stands[0] > self._patience:
             raise Trouble(
-                f"the program has ended {off.max():.0f} counts (motor "
-                f"{job.robot.controller.motors[int(np.argmax(off))]}) from where it should: at "
+                f"the program has ended {off.max():.0f} counts from its last point (motor "
+                f"{job.robot.controller.motors[int(np.argmax(off))]}): the robot is at "
                 f"{described(job.robot, joints)}",
-                "run `yarc doctor`: somebody else may use this controller",
+                "run `yarc doctor`: another client may use this controller",
                 code="Y1605",
             )
         yield Wait(operation.now + _LOOK)

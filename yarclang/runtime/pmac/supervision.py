@@ -1,6 +1,6 @@
 """Supervision of a run: the watchdog, and the comparison of settings with those of the inspection, on which
-the proof depends. Some settings are read with each question about the buffer, the others once a second. No
-I/O.
+the proof depends. Some settings are read with each question about the buffer; all other settings are read
+once a second or less often. No I/O.
 
 Other clients may use the same controller. If one of them changes something (the override, the guard, a limit,
 a PLC, an axis definition), the proof is no longer valid. The motion is then held, and the old and the new
@@ -48,16 +48,19 @@ _MOTOR_VARIABLES = {
     24: "flags and limit switches",
 }
 """Variables of each motor that no robot description sets, and that no other client may change during motion:
-Ixx00, Ixx11, Ixx24. The values are their names.
+Ixx00, Ixx11, Ixx24. The values of this mapping are the names of the variables in messages.
 """
-_MARKS = ("I16, lines below which the guard holds", "I17, lines from which on the rotary counts as full")
+_MARKS = (
+    "I16, lines below which the guard holds",
+    "I17, number of lines at which the rotary buffer counts as full",
+)
 _HOLD_SLEW = 95
 """Isx95: rate at which a hold changes the time base."""
 _TIME_BASE = 93
 """Isx93: source of the coordinate system's time base."""
 _STANDS_STILL = 0.045
-"""Time after which an unchanged heartbeat of the guard counts as stopped [s], unless `_BEATS` beats take
-longer.
+"""Time for which the guard's heartbeat may stay unchanged before the guard counts as stopped [s]. If `_BEATS`
+heartbeats take longer than this, their duration counts instead.
 """
 _BEATS = 8.0
 _BEHIND = 3.0
@@ -65,19 +68,20 @@ _BEHIND = 3.0
 more often than the guard.
 """
 _RACE = 3
-"""Number of lines that the controller may calculate while it prints two values of one reply."""
+"""Number of lines that the controller may calculate between printing the first and the last value of a reply.
+"""
 _SLEWING, _LONGEST_SLEW = 0.02, 1.0
-"""Time between two checks while the override changes [s]; and longest duration of the change in addition to
-two hold times [s].
+"""Time between two checks while the override changes [s], and longest duration of the change [s]. Two hold
+times are added to the longest duration.
 """
 _SAME_PACE = 0.01
 """Tolerance of the override as printed [%]."""
 _SHORTEST_TIMER = 1
 _LONGEST_TIMER = 8_388_607
-"""Largest value of a 24-bit timer, in servo cycles."""
+"""Largest value of a 24-bit timer [servo cycles]."""
 
 LEAST_PATIENCE = 0.4
-"""Least silence of this computer after which the controller holds [s]."""
+"""Usual shortest silence of this computer after which the controller holds the motion [s]."""
 
 AT_REST_WITHIN = 0.95
 """Time within which the robot should be at rest after the streaming computer has failed [s], if the
@@ -85,8 +89,8 @@ connection is fast enough.
 """
 
 _SHORTEST_PATIENCE = 0.25
-"""Shortest silence of this computer after which the controller may be told to hold [s]. With a shorter one, a
-busy computer would cause holds too often.
+"""Shortest silence of this computer after which the controller holds the motion, even with a long hold time
+[s]. With a smaller value, a busy computer would cause holds too often.
 """
 
 _REPLIES, _LEAST_REPLIES = 4.0, 3.0
@@ -97,9 +101,10 @@ def patience_for(slowest: float, hold_time: float) -> float:
     """Return the longest silence of this computer before its controller holds [s].
 
     The result is four times the slowest reply, at least `LEAST_PATIENCE`, but so short that the robot is at
-    rest within `AT_REST_WITHIN`. In two cases the result must be longer than that. First, if three replies
-    take longer: as many replies may lie between two messages of a run. Second, if the robot's hold time alone
-    takes nearly all of `AT_REST_WITHIN`: no computer is punctual within less than `_SHORTEST_PATIENCE`.
+    rest within `AT_REST_WITHIN`. Two minimums take precedence over `AT_REST_WITHIN`. The first is the
+    duration of three slow replies, since so many replies may lie between two messages of a run. The second is
+    `_SHORTEST_PATIENCE`, which matters if the robot's hold time takes nearly all of `AT_REST_WITHIN`: no
+    computer can be relied on to send its next message sooner.
 
     Args:
         slowest: duration of the slowest reply during the inspection [s].
@@ -131,8 +136,8 @@ def remember(operation: Operation, robot: Robot, settings: Sequence[tuple[str, s
     Args:
         operation: state of the run, and access to the controller.
         robot: the robot with its motors and coordinate system.
-        settings: the inspected settings: of each its subject in words, the question for it, and its kind,
-            `number`, `definition` or `listing`.
+        settings: for each inspected setting: its subject in words, the question for it, and its kind
+            (`number`, `definition` or `listing`).
     """
     controller = turbo_pmac(robot)
     numbers = [(subject, question) for subject, question, kind in settings if kind == "number"]
@@ -185,9 +190,14 @@ def _remembered(operation: Operation, questions: Sequence[Question]) -> Script[l
 class Flow:
     """One answer of the controller about the flow of lines through the rotary buffer.
 
-    Its values are the number of lines `ahead` in the buffer, the override [%], the guard's flag and
-    heartbeat, the watchdog's flag, the heartbeat as seen by PLC 0, and the inputs that hold or end the
-    motion.
+    Attributes:
+        ahead: number of lines in the buffer.
+        percent: override [%].
+        armed: flag of the guard PLC.
+        beat: heartbeat of the guard PLC.
+        watched: flag of the watchdog.
+        echo: heartbeat of the guard PLC as seen by PLC 0.
+        inputs: values of the inputs that hold or end the motion.
     """
 
     ahead: int
@@ -211,7 +221,7 @@ class Supervision:
             Question(_MARKS, ("I16", "I17")), (str(loading_of(job).low), str(loading_of(job).full))
         )
         self._winds = wound_up(turbo_pmac(job.robot), operation.silence)
-        # Assignments go first and % last: text after % might be taken for its value.
+        # Assignments go first and % last: text after % might be read as a new value of the override.
         self._watches = job.watches
         self._search = job.search
         searched = (job.search.variable,) if job.search is not None else ()
@@ -244,10 +254,10 @@ class Supervision:
         while True:
             (percent,) = yield from operation.numbers("%", 1)
             if percent == 0.0 or abs(percent - wanted_percent) <= _SAME_PACE:
-                break  # in a hold it is 0
+                break  # in a hold, the override is 0
             if operation.now - since > _LONGEST_SLEW + 2.0 * self._robot.controller.hold_time:
-                what = f"the override stays at {percent:.4g} %, and is to be {wanted_percent:g} %"
-                raise Trouble(what, "find out who else uses this controller", "Y1605")
+                what = f"the override stays at {percent:.4g} %, but {wanted_percent:g} % was ordered"
+                raise Trouble(what, "find other clients of this controller", "Y1605")
             yield Wait(operation.now + _SLEWING)
         yield from operation.ask(f"{self._winds} {WATCHED}=1")
         self._watching = True
@@ -264,7 +274,8 @@ class Supervision:
     def slews(self, percent: float) -> None:
         """Record that the time base changes from `percent` to the override from now on."""
         operation, wanted = self.operation, 100.0 * self.operation.override
-        # If an earlier change is still in progress, the time base may be anywhere in its range, too.
+        # If an earlier change is still in progress, the time base may also be anywhere in the range of that
+        # change.
         ends = (percent, wanted, *(self._slews if operation.now < self._slews_until else ()))
         self._expected, self._slews = wanted, (min(ends), max(ends))
         way = (max(ends) - min(ends)) / 100.0
@@ -283,12 +294,10 @@ class Supervision:
 
         Args:
             flow: the last answer about the buffer, at rest.
-            all_in: True if all lines were sent. The buffer may then have fewer lines than the guard requires,
-                and no more lines come.
+            all_in: True if all lines were sent. The guard is then disarmed: the buffer may have fewer lines
+                than the guard requires, and no more lines come.
         """
-        if all_in and (
-            flow.armed or self._disarmed
-        ):  # the line that arms the guard is calculated, then or now
+        if all_in and (flow.armed or self._disarmed):  # the guard was armed, or was disarmed here
             self._disarmed = True
             return f"{ARMED}=0" if flow.armed else ""
         wanted = self._flag(self._sent - flow.ahead)
@@ -333,11 +342,11 @@ class Supervision:
         return self._still > 0.0
 
     def stands_still(self, flow: Flow) -> str:
-        """Return a sentence about the PLC that has stopped; empty if both run."""
+        """Return a sentence about a PLC that has stopped, the guard or the feedback; empty if both run."""
         if self._still > max(_STANDS_STILL, _BEATS * self.operation.beat):
-            return f"PLC {GUARD_PLC}, the guard, doesn't run any more: its heartbeat stays at {flow.beat:g}"
+            return f"PLC {GUARD_PLC}, the guard, has stopped: its heartbeat stays at {flow.beat:g}"
         if flow.beat - flow.echo > _BEHIND:
-            return f"PLC {FEEDBACK_PLC}, the feedback, doesn't run any more"
+            return f"PLC {FEEDBACK_PLC}, the feedback, has stopped"
         return ""
 
     def changed(self, flow: Flow, *, moving: bool) -> str:
@@ -364,14 +373,14 @@ class Supervision:
         if percent < least:
             return (
                 f"the override was {self._expected:g} %, and is {percent:.4g} %: the motion is held or "
-                f"slowed down, and not by this run"
+                "slowed down, but not by this run"
             )
         return f"the override was {self._expected:g} %, and is {percent:.4g} %"
 
     def _armed(self, ahead: int) -> tuple[float, ...]:
-        """Return the values that the guard's flag may have while `ahead` lines are in the buffer: the value
-        after the lines that have left the buffer, and the value after `_RACE` more lines, which the
-        controller may have calculated meanwhile.
+        """Return two values, one of which the guard's flag must have while `ahead` lines are in the buffer:
+        the value after the lines that have left the buffer, and the value after `_RACE` more lines. The
+        controller may have calculated these lines after it counted the lines in the buffer.
         """
         if self._disarmed:
             return (0.0,)
@@ -401,15 +410,16 @@ class Supervision:
         )
 
     def way_out(self, flow: Flow) -> str:
-        """Return the name of the SUB by which the robot is to retreat, for the first input that forbids
-        motion and has one; empty if none has.
+        """Return the name of the SUB by which the robot is to retreat: that of the first input that forbids
+        motion and has a SUB; empty if no such input has one.
         """
         return next((one.then for one in self._open(flow) if one.then), "")
 
     def _open(self, flow: Flow) -> list[Watch]:
         """Return the watched inputs whose state forbids motion."""
         read = dict(zip(self._inputs, flow.inputs, strict=True))
-        # Only the other value of a bit allows motion: a variable with any third value forbids it, too.
+        # If a bit forbids motion with one value, only its other value allows motion. Any third value of the
+        # variable forbids it, too.
         return [
             one
             for one in self._watches
@@ -432,8 +442,8 @@ class Supervision:
         """
         if told := (yield from self.compare(all_=True)):
             raise Trouble(
-                f"somebody else uses this controller: since it was checked, {told}",
-                "find out who, and put it back; `yarc doctor` looks again",
+                f"another client uses this controller: since it was checked, {told}",
+                "find the client, and restore the value; `yarc doctor` looks again",
                 "Y1605",
             )
 
@@ -453,8 +463,8 @@ class Supervision:
         there is none.
 
         Args:
-            all_: True to ask for all settings; False to ask for those that are compared every second, and for
-                one of the others.
+            all_: True to ask for all settings. False to ask for the settings that are compared every second,
+                and for the next one of those that are compared in turn.
         """
         memory = self.operation.memory
         seldom = list(memory.seldom) if all_ else [next(self._seldom)] if self._seldom else []

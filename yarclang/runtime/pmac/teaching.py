@@ -28,6 +28,6 @@ def teach(operation: Operation, barrier: Barrier, stands: Array) -> Script[None]
     """
     told = yield Teach(TEACHING[barrier.word], barrier.name, stands)
     if not isinstance(told, Told):
-        what = f"{title(barrier)} can't keep {barrier.name}: {told}"
+        what = f"{title(barrier)} can't store {barrier.name}: {told}"
         raise Trouble(what, "check the disk and its permissions, then start the program again", "Y1636")
     operation.remark(f"{title(barrier)}: {told.line}")

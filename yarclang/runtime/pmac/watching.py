@@ -1,5 +1,5 @@
-"""Checks during motion of the motors, the program and the positions. They use only questions that an open
-rotary buffer doesn't store. No I/O.
+"""Checks of the motors, the program and the positions while the robot moves. They use only questions that an
+open rotary buffer doesn't store. No I/O.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ def look_at_motors(operation: Operation, robot: Robot) -> Script[tuple[MotorStat
     return motors
 
 
-RESET_REMEDY = "find out why; look at the robot, home it, and run `yarc doctor`"
+RESET_REMEDY = "find the cause, inspect the robot, home it, and run `yarc doctor`"
 
 
 def were_reset(motors: tuple[MotorStatus, ...]) -> bool:
@@ -36,12 +36,12 @@ def were_reset(motors: tuple[MotorStatus, ...]) -> bool:
 def raise_trouble(robot: Robot, motors: tuple[MotorStatus, ...]) -> None:
     """Raise the fault that keeps a motor from moving, if there is one.
 
-    If a motor has a fault, the controller also kills other motors. The fault itself is therefore reported,
-    and not a loop that the fault has opened.
+    If a motor has a fault, the controller also opens the loops of other motors. The motor with the fault is
+    therefore reported first, and a motor with an open loop only if no motor has a fault.
 
     Raises:
-        Trouble: a reset, which opens all loops; else the first motor with a fault; else the first motor with
-            an open loop; else the first motor that isn't homed.
+        Trouble: a motor can't move. The reason is the first of these that applies: a reset, which opens all
+            loops; a motor with a fault; a motor with an open loop; a motor that isn't homed.
     """
     if were_reset(motors):
         raise Trouble("the controller was reset: no motor is closed-loop or homed", RESET_REMEDY, "Y1602")
@@ -52,8 +52,10 @@ def raise_trouble(robot: Robot, motors: tuple[MotorStatus, ...]) -> None:
             raise Trouble(f"motor {number}: {problem}", remedy, "Y1602")
     for number, motor in pairs:
         if not motor.has("home complete"):
-            problem = f"motor {number}: it isn't homed any more: its position means nothing"
-            raise Trouble(problem, "find out who has used this controller, and home it", "Y1602")
+            problem = f"motor {number}: it isn't homed any more: its position is meaningless"
+            raise Trouble(
+                problem, "find the client that has used this controller, and home the motor", "Y1602"
+            )
 
 
 def look_whether_astray(operation: Operation, robot: Robot, off: tuple[float, int]) -> Script[None]:
@@ -74,14 +76,14 @@ def look_whether_astray(operation: Operation, robot: Robot, off: tuple[float, in
         yield from look_at_motors(operation, robot)
         raise Trouble(
             f"the controller commands motor {robot.controller.motors[row]} {counts:.0f} counts off the "
-            f"path that was proved",
-            "a line was changed on its way, or somebody else uses this controller: run `yarc doctor`",
+            "proved path",
+            "a line was changed on its way, or another client uses this controller: run `yarc doctor`",
             "Y1605",
         )
 
 
 def look_at_program(operation: Operation, robot: Robot) -> Script[None]:
-    """Check, when nothing moves, that the program still runs.
+    """Check, while nothing moves, that the program hasn't ended.
 
     Raises:
         Trouble: the program doesn't run, or has met an error.
@@ -95,8 +97,8 @@ def look_at_program(operation: Operation, robot: Robot) -> Script[None]:
         )
     if not system.running:
         raise Trouble(
-            "the controller doesn't run the program any more: somebody else has stopped it",
-            "find out who else uses this controller",
+            "the controller doesn't run the program any more: another client has stopped it",
+            "find other clients of this controller",
             "Y1605",
         )
 

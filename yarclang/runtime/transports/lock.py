@@ -37,8 +37,8 @@ _TABLE = Path("/proc/net/unix")
 """The kernel's list of Unix sockets; abstract names begin with @ there."""
 
 _PLAIN = re.compile(r"[\w.:%-]{1,64}", re.ASCII)
-"""Pattern of addresses that are part of a lock's name as they are; any other address is replaced by its
-SHA-256. A name has 107 bytes at most.
+"""Pattern of addresses that appear unchanged in a lock's name. Any other address is replaced by its SHA-256,
+because a name has at most 107 bytes.
 """
 
 _WAITING = 16
@@ -158,12 +158,13 @@ def _names(host: str, port: int) -> list[bytes]:
 def _addresses(host: str, port: int) -> set[str]:
     """Return all addresses of a host. An address of this machine is returned together with 127.0.0.1.
 
-    127.0.0.2 and similar addresses are kept apart: people give them to simulators, so that each has its own.
+    127.0.0.2 and similar addresses are not treated as 127.0.0.1, because people give each simulator an
+    address of its own.
     """
     try:
         found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
     except (OSError, UnicodeError):
-        return {host.lower()}  # then no process can connect to this host either
+        return {host.lower()}  # no process can connect to this host either, so any name will do
     addresses: set[str] = set()
     for family, _, _, _, place in found:
         address = ipaddress.ip_address(str(place[0]).partition("%")[0])
@@ -200,7 +201,8 @@ def _claimed(name: bytes, host: str, port: int) -> Iterator[socket.socket]:
     """
     until = time.monotonic() + _PATIENCE
     while (wire := _bound(name)) is None:
-        # The name is bound but no process listens: the holder has just begun or just ended, or is hostile.
+        # The name is bound but no process listens: its process is just taking or leaving the lock, or is
+        # hostile.
         holder = _listener(name)
         if holder is not None or time.monotonic() > until:
             raise _refusal(holder or Holder(None), host, port)
@@ -230,9 +232,9 @@ def _bound(name: bytes) -> socket.socket | None:
 
 def _refusal(holder: Holder, host: str, port: int) -> ControlError:
     facts = f" ({holder.facts})" if holder.facts else ""
-    text = f"{holder.process} on this computer drives {host}:{port} already{facts}"
+    text = f"{holder.process} on this computer already drives {host}:{port}{facts}"
     if holder.is_ours:
-        return ControlError(text, "wait for its end, or `yarc stop` it")
+        return ControlError(text, "wait for its end, or stop it with `yarc stop`")
     return ControlError(text, "wait for its end, or ask its user to end it")
 
 
@@ -257,7 +259,7 @@ def _listener(name: bytes, *, ours: bool = False) -> Holder | None:
         try:
             return _with_facts(
                 peer, wire.recv(_LONGEST)
-            )  # once: no process can delay us by sending byte by byte
+            )  # read only once: otherwise a process could delay us by sending byte by byte
         except OSError:  # the holder is suspended, or does not answer
             return Holder(peer)
 
@@ -276,8 +278,8 @@ def _with_facts(peer: Peer, line: bytes) -> Holder:
 
 
 class _Answering(threading.Thread):
-    """A thread that tells processes that ask since when this process has the lock, and where its control
-    socket is.
+    """A thread that answers questions of other processes: since when this process has the lock, and where its
+    control socket is.
     """
 
     def __init__(self, wires: list[socket.socket]) -> None:

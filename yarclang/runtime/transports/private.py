@@ -87,7 +87,8 @@ def check_private(path: Path) -> None:
     """Check that a folder belongs to our own user, and that no other user may enter it.
 
     Raises:
-        ControlError: the path is a link or no folder, belongs to another user, or others may enter it.
+        ControlError: the path is a link or no folder, the folder belongs to another user, or other users may
+            enter it.
     """
     try:
         status = path.lstat()
@@ -99,7 +100,7 @@ def check_private(path: Path) -> None:
         raise ControlError(f"{path} belongs to user {status.st_uid}", "have it removed")
     if status.st_mode & 0o077:
         raise ControlError(
-            f"others may enter {path}", f"`chmod 700 {path}`, if nobody else's files are in it"
+            f"other users have access to {path}", f"`chmod 700 {path}`, if it has no files of other users"
         )
 
 
@@ -109,15 +110,15 @@ def private_listener(path: Path) -> socket.socket:
     The socket of a dead process is replaced; any other file is left untouched.
 
     Raises:
-        ControlError: a process listens there already, something else has that name, or the path can't be
+        ControlError: a process listens at the path already, the path is that of another file, or it can't be
             used.
     """
     if answers(path):
-        raise ControlError(f"a process listens on {path} already", "choose another path")
+        raise ControlError(f"another process already listens on {path}", "choose another path")
     wire = socket.socket(socket.AF_UNIX)
     try:
         _remove_dead(path)
-        os.fchmod(wire.fileno(), 0o600)  # the file gets the rights that the socket has
+        os.fchmod(wire.fileno(), 0o600)  # the socket's file gets the same rights
         wire.bind(str(path))
         wire.listen()
     except OSError as error:

@@ -19,8 +19,9 @@ and something moves [s]. Python's default is ten times as long.
 """
 
 _GARBAGE = (2_000, 20, 1_000)
-"""Garbage collection thresholds while something moves: the number of new objects after which Python searches
-the first generation, and the numbers of searches after which it searches the second and the third one.
+"""Thresholds of Python's garbage collection while something moves. The first is the number of new objects
+after which Python searches the first generation. The other two are the numbers of searches after which it
+searches the second and the third generation.
 
 The third generation contains all objects of a long program. Searching it takes 0.1 s, during which no thread
 runs.
@@ -45,8 +46,8 @@ _NOT_FOR_OTHERS = 1
 _STREAMS, _WORKS = 2, 1
 """Priorities of the streaming thread, and of the threads that plan or log.
 
-Threads that plan or log hold the interpreter for a while; no ordinary process may keep them from releasing
-it.
+A thread that plans or logs holds the interpreter for a while. It has priority over ordinary processes, so
+that none of them keeps it from releasing the interpreter.
 """
 
 
@@ -58,8 +59,8 @@ class _Process:
         moving: number of robots that move.
         beside: numbers of the threads that plan or log.
         first: True if the streaming thread has priority over ordinary threads.
-        frozen: True if other code has excluded objects from garbage collection (gc.freeze) before something
-            moved.
+        frozen: True if code outside of this module had excluded objects from garbage collection (gc.freeze)
+            before something moved.
     """
 
     moving: int = 0
@@ -78,8 +79,8 @@ def prompt_thread() -> Iterator[None]:
 
     If the user has the right (RLIMIT_RTPRIO, CAP_SYS_NICE), the thread gets priority over all ordinary
     threads. Otherwise it asks for short time slices, which every user may do, and which Linux honours from
-    6.12 on. If neither is possible, nothing happens. Threads and processes that are started later stay
-    ordinary.
+    version 6.12 on. If neither is possible, nothing happens. Threads and processes that are started later
+    have normal priority.
     """
     if _PROCESS.first:
         yield
@@ -154,7 +155,8 @@ def prompt_while_moving() -> Iterator[None]:
     for number in tuple(_PROCESS.beside) if _PROCESS.first else ():
         _goes_first(number, _WORKS)
     switch, garbage = sys.getswitchinterval(), gc.get_threshold()
-    frozen = _PROCESS.frozen = _PROCESS.frozen or gc.get_freeze_count() > 0  # counting takes long
+    # `get_freeze_count` takes long: call it only once
+    frozen = _PROCESS.frozen = _PROCESS.frozen or gc.get_freeze_count() > 0
     sys.setswitchinterval(min(switch, _SWITCH))
     if not frozen:  # objects frozen by someone else must stay exactly as they are
         gc.freeze()

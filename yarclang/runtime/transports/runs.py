@@ -28,9 +28,9 @@ class Run:
 def find_runs() -> tuple[Run, ...]:
     """Return the runs of this user whose processes are alive, in the order of their names.
 
-    They are searched for in our own folder of sockets, and in the folders of runs that were started with
-    another XDG_RUNTIME_DIR or TMPDIR: each run reports its folder to processes that ask for its controller's
-    lock.
+    They are searched for in our own folder of sockets. Runs that were started with another XDG_RUNTIME_DIR or
+    TMPDIR have other folders, which are searched as well: each run reports its folder to processes that ask
+    for its controller's lock.
 
     Raises:
         ControlError: our own folder can't be trusted.
@@ -49,7 +49,7 @@ def the_run(name: str | None = None) -> Run:
     runs = find_runs()
     if not runs:
         raise ControlError(
-            "no yarc run on this computer", "a controller can be asked itself: --to tcp://HOST:PORT"
+            "no yarc run on this computer", "address a controller itself with --to tcp://HOST:PORT"
         )
     fitting = [
         run for run in runs if name is None or name.lower() in (run.name.lower(), run.robot, str(run.pid))
@@ -59,7 +59,7 @@ def the_run(name: str | None = None) -> Run:
     names = ", ".join(run.name for run in fitting or runs)
     if not fitting:
         raise ControlError(f"there is no run {name!r}", f"there is {names}")
-    raise ControlError(f"there are several runs: {names}", "say which: --run NAME")
+    raise ControlError(f"there are several runs: {names}", "choose one with --run NAME")
 
 
 def run_on(host: str, port: int) -> Run | None:

@@ -17,17 +17,17 @@ class Wire(asyncio.Protocol):
         self._transport: asyncio.Transport | None = None
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """See `asyncio.Protocol`."""
+        """Store the transport, by which bytes are sent. Called by asyncio."""
         assert isinstance(transport, asyncio.Transport)
         self._transport = transport
 
     def data_received(self, data: bytes) -> None:
-        """See `asyncio.Protocol`."""
+        """Store received bytes, and set `arrived`. Called by asyncio."""
         self._received += data
         self.arrived.set()
 
     def connection_lost(self, exc: Exception | None) -> None:  # noqa: ARG002 (asyncio's signature)
-        """See `asyncio.Protocol`."""
+        """Record that the connection has ended, and set `arrived`. Called by asyncio."""
         self.closed = True
         self.arrived.set()
 
@@ -44,7 +44,7 @@ class Wire(asyncio.Protocol):
         return data
 
     def close(self) -> None:
-        """Close the connection; bytes that were already sent still go out."""
+        """Close the connection, after the bytes that were given to `send` are sent."""
         if self._transport is not None:
             self._transport.close()
 

@@ -14,27 +14,28 @@ from yarclang.syntax.ast import Computed, ComputedPercent, Statement, Time
 from yarclang.syntax.expressions import Expression, Name, parts_of
 
 Given = Mapping[str, str]
-"""For each parameter of a SUB, by its name in upper case: a text with its argument and the line of the
-CALL.
+"""Texts that findings in a SUB show about its arguments, by the parameter's name in upper case. Each text
+names the argument and the line of the CALL.
 """
 
 
 def said_of_time(time: Time | None, given: Given) -> str:
-    """Return the text about the arguments of a CALL that a motion time uses; empty if it uses no
-    parameter.
+    """Return a text about the arguments that determine a motion time in a SUB; empty if the time uses no
+    parameter of the SUB.
     """
     items = time.items if time is not None else ()
     return _said((item for item in items if isinstance(item, Computed | ComputedPercent)), given)
 
 
 def name_arguments(statement: Statement, findings: Collector, since: int, given: Given) -> None:
-    """Add the arguments of a SUB's parameters to the findings about a statement that uses these parameters.
+    """Name arguments of a CALL in the findings about a statement of the SUB: the arguments of those
+    parameters that the statement uses.
 
     Args:
         statement: the line, in a SUB.
         findings: the findings of its file.
         since: number of the first finding about the statement.
-        given: arguments of the SUB.
+        given: texts about the arguments of the SUB.
     """
     if not given or len(findings.found) == since:
         return
@@ -56,8 +57,8 @@ def name_arguments(statement: Statement, findings: Collector, since: int, given:
 
 
 def name_arguments_of_times(findings: Iterable[Diagnostic], steps: Iterable[Step]) -> Iterator[Diagnostic]:
-    """Yield the planner's findings. Those about a motion time that uses parameters of a SUB also name the
-    arguments that a CALL gave for them.
+    """Yield the planner's findings. A finding about a motion time in a SUB also names the arguments that a
+    CALL gave for the parameters in this time.
     """
     times: dict[tuple[SourceFile, Span, str], Origin] = {}
     for step in steps:

@@ -8,7 +8,7 @@ from yarclang.diagnostics import Collector
 from yarclang.semantics.control.arguments import Given
 from yarclang.semantics.control.parameters import bind, given_by
 from yarclang.semantics.files import File, Sub, values_of
-from yarclang.semantics.names.scope import KINDS, Routine, Scope
+from yarclang.semantics.names.scope import KINDS, Library, Routine, Scope
 from yarclang.source import Span
 from yarclang.subjects import unknown
 from yarclang.syntax.ast import Statement, Word
@@ -59,7 +59,7 @@ class Calls:
         if not values or not isinstance(word := values[0], Word):
             findings.add(
                 "Y0401",
-                "CALL wants the name of a SUB",
+                "CALL needs the name of a SUB",
                 statement.whole_span,
                 "for example CALL DRILL {HOLE} 20",
             )
@@ -72,11 +72,14 @@ class Calls:
             elif any(one.name == word.name and one.file is file for one in self._subs):
                 self._refuse_recursion(word, span, findings)
             else:
-                known = sorted(set(scope.names(Routine)))
+                known = sorted(set(scope.names_with_modules(Routine)))
                 subject = unknown(word.text, known)
+                module, dot, _ = word.name.rpartition(".")
                 help_ = subject.question or (
                     f"there are {', '.join(known)}" if known else f"write SUB {word.name}, its lines and END"
                 )
+                if dot and not subject.question and not isinstance(scope.name(module), Library):
+                    help_ = f"write USE {module} above if it is a module"
                 findings.add("Y0210", f"no SUB is named {word.text}", span, help_, subject=subject)
             return None
         if sub in self._subs:
@@ -88,4 +91,4 @@ class Calls:
         names = [one.name for one in self._subs]
         through = names[names.index(word.name.rpartition(".")[2]) + 1 :]
         how = f"{word.text} calls itself" + (f" through {', '.join(through)}" if through else "")
-        findings.add("Y0212", how, span, "a program must end: use REPEAT")
+        findings.add("Y0212", how, span, "a SUB must end: write its repeated lines in a REPEAT")

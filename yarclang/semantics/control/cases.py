@@ -29,7 +29,7 @@ MOST_RANGES = 8
 """Largest number of values and ranges after one OF; each needs one or two comparisons at run time."""
 
 MOST_WAYS = 64
-"""Largest number of OF lines in a CASE; each is nested in the ELSE of the one before."""
+"""Largest number of OF lines in a CASE. Each becomes a WHEN in the ELSE of the previous one."""
 
 _EXAMPLE = "for example OF 1, or OF 2..5 8"
 
@@ -51,7 +51,7 @@ class Way:
 
 
 def ways_of(block: Block, scope: Scope, findings: Collector) -> list[Way] | None:
-    """Return the branches of a CASE without its ELSE; None with findings if the CASE has an error."""
+    """Return the branches of a CASE, except its ELSE; None with findings if the CASE has an error."""
     head = block.head
     refuse_parts(head, NOT_FOR_BLOCKS, findings)
     before = len(findings.found)
@@ -65,21 +65,26 @@ def ways_of(block: Block, scope: Scope, findings: Collector) -> list[Way] | None
             ways[-1].nodes.append(node)
         else:
             one = node.head if isinstance(node, Block) else node
-            findings.add("Y0432", "this stands in front of the first OF of a CASE", one.whole_span, _EXAMPLE)
+            findings.add(
+                "Y0432",
+                "this line is between a CASE and its first OF, and is never carried out",
+                one.whole_span,
+                _EXAMPLE,
+            )
     if not ways:
-        findings.add("Y0432", "a CASE has at least one OF", head.whole_span, _EXAMPLE)
+        findings.add("Y0432", "a CASE needs at least one OF", head.whole_span, _EXAMPLE)
     elif len(ways) > MOST_WAYS:
-        message = f"a CASE has at most {MOST_WAYS} OF, and this one has {len(ways)}"
-        findings.add("Y0432", message, head.whole_span, "decide in two steps")
+        message = f"a CASE has at most {MOST_WAYS} OF, but this one has {len(ways)}"
+        findings.add("Y0432", message, head.whole_span, "divide it into two CASEs")
     if any(found.is_error for found in findings.found[before:]):
         return None
     missing = _missing(register, taken)
     if block.otherwise is None and missing:
         findings.add(
             "Y0433",
-            f"no way is there for {missing}",
+            f"this CASE has no OF for {missing}",
             head.whole_span,
-            "write ELSE, with what is done then: HOLD, for example",
+            "add an OF for them, or an ELSE, for example with HOLD",
         )
         return None
     if block.otherwise is None:
@@ -90,7 +95,7 @@ def ways_of(block: Block, scope: Scope, findings: Collector) -> list[Way] | None
 def _selector(head: Statement, scope: Scope, findings: Collector) -> tuple[Value | None, Register | None]:
     values = values_of(head)
     if len(values) != 1 or not isinstance(word := values[0], Word):
-        message = "CASE wants the name of a register or an input"
+        message = "CASE needs the name of a register or an input"
         findings.add("Y0401", message, head.whole_span, "for example CASE COUNT")
         return None, None
     span = head.span(word.place)
@@ -99,9 +104,12 @@ def _selector(head: Statement, scope: Scope, findings: Collector) -> tuple[Value
             return RegisterValue(register.name), register
         case Input(signal=signal, step=step) if step is not None:
             message = f"{signal.name} is analogue, and CASE takes integers"
-            findings.add("Y0472", message, span, "choose by WHEN PRESSURE > 4.5")
+            findings.add(
+                "Y0472", message, span, "use WHEN with a comparison, for example WHEN PRESSURE > 4.5"
+            )
         case Input(signal=signal):
-            # A group has a range like a register: each of its bits is 0 or 1, or the run ends.
+            # A group of bits has a known range of values, as a register has: a run ends if a bit is neither 0
+            # nor 1.
             whole = Register(signal.name, 0, largest_of(signal.variable), 0)
             return InputValue(signal.variable, signal.name), whole if is_group(signal.variable) else None
         case None:
@@ -112,7 +120,7 @@ def _selector(head: Statement, scope: Scope, findings: Collector) -> tuple[Value
             findings.add("Y0210", message, span, help_, subject=subject)
         case found:
             message = f"{word.text} is {KINDS[type(found)]}, not a register or an input"
-            help_ = "IF decides by numbers, when compiled"
+            help_ = "for a number that is known when compiled, use IF"
             findings.add("Y0209", message, span, help_)
     return None, None
 
@@ -127,7 +135,7 @@ def _condition(
     refuse_parts(of, NOT_FOR_BLOCKS, findings)
     values = values_of(of)
     if not values or len(values) > MOST_RANGES:
-        message = f"OF wants 1 to {MOST_RANGES} integers and ranges"
+        message = f"OF needs 1 to {MOST_RANGES} integers or ranges"
         findings.add("Y0401", message, of.whole_span, _EXAMPLE)
         return None
     found: Value | None = None
@@ -158,16 +166,16 @@ def _bounds(
         findings.add("Y0432", f"{value.text} is beyond {LARGEST:,}", span, _EXAMPLE)
         return None
     if low > high:
-        findings.add("Y0432", f"{value.text} is empty: the lower bound comes first", span, _EXAMPLE)
+        findings.add("Y0432", f"the range {value.text} is empty: write the lower bound first", span, _EXAMPLE)
         return None
     if register is not None and not register.low <= low <= high <= register.high:
-        message = f"{register.name} is never {value.text}: it is {register.low} to {register.high}"
-        findings.add("Y0432", message, span, "take it away, or widen the register's range")
+        message = f"{register.name} can't be {value.text}: its range is {register.low} to {register.high}"
+        findings.add("Y0432", message, span, "remove the value, or widen the register's range")
         return None
     for first, last, line in taken:
         if first <= high and low <= last:
-            message = f"{value.text} has a way already, in line {line}"
-            findings.add("Y0432", message, span, "leave one of them")
+            message = f"{value.text} is already given by the OF of line {line}"
+            findings.add("Y0432", message, span, "remove one of them")
             return None
     return bounds
 
@@ -180,7 +188,7 @@ def _within(selector: Value, low: int, high: int) -> Value:
 
 
 def _missing(register: Register | None, taken: list[tuple[int, int, int]]) -> str:
-    """Return in words the first values that have no branch; empty if each value has one."""
+    """Return the first values without a branch, in words for a message; empty if every value has a branch."""
     if register is None:
         return "other values of the input"
     next_ = register.low

@@ -1,5 +1,5 @@
-"""Find the names that are declared after an IF whatever its condition is: those that both branches
-declare.
+"""Find the names that both branches of an IF declare. These names are known after the END of the IF, whatever
+its condition is.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ _FRAMES = frozenset({"FRAME", "FRAME_QUAT"})
 
 
 class KnownBehind:
-    """Cache of the names that are declared after each IF, since an IF in a loop is carried out many times."""
+    """Cache of the names that are known after each IF, since an IF in a loop is carried out many times."""
 
     def __init__(self) -> None:
         self._found: dict[int, tuple[Block, frozenset[tuple[str, bool]]]] = {}

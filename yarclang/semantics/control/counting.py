@@ -1,8 +1,9 @@
 """Count the commands of loops and calls, and the rounds of loops, before they are carried out.
 
-If all rounds of a loop are alike, one round is counted and its count is multiplied. A SUB is counted once for
-all calls with equal arguments. Rounds that differ are counted one by one up to the limit. They aren't counted
-if a lower bound of one round, times the number of rounds, already exceeds the limit.
+If all rounds of a loop are alike, one round is counted, and the count is multiplied by the number of rounds.
+A SUB is counted once for all calls with equal arguments. Rounds that differ are counted one by one until the
+limit is exceeded. Before that, a lower bound for one round is multiplied by the number of rounds. If this
+product exceeds the limit, the rounds aren't counted.
 """
 
 from __future__ import annotations
@@ -45,7 +46,7 @@ _FAULTS = 20
 
 @frozen
 class Count:
-    """Number of commands, lines and rounds of loops that a group of lines carries out."""
+    """Numbers of commands, lines and rounds of loops when a group of lines is carried out."""
 
     commands: int = 0
     lines: int = 0
@@ -97,7 +98,7 @@ class Counter:
         self._most = most
         self._one_by_one = 0
         self._differing = 0
-        """Number of loops with differing rounds around the current line."""
+        """Number of loops around the current line whose rounds differ."""
         self._sizes: dict[int, int] = {}
         self._read: dict[int, frozenset[str]] = {}
         self._subs: dict[tuple[Sub, tuple[object, ...]], _Tally] = {}
@@ -128,7 +129,7 @@ class Counter:
         return Count(commands, lines, rounds)
 
     def size(self, statement: Statement, source: SourceFile) -> int:
-        """Return the number of lines that a statement counts as."""
+        """Return the number of lines for which a statement counts: one more for every `LINE` characters."""
         size = self._sizes.get(id(statement))
         if size is None:
             first = statement.line - 1
@@ -288,7 +289,7 @@ class Counter:
             before = self._faults
             tally = self._nodes(sub.block.body, sub.file, inner, depth + 1, needed)
             self._inside.pop()
-            if self._faults == before:  # a mistake may depend on the SUBs that are being counted around it
+            if self._faults == before:  # don't cache a count with mistakes: it may depend on the callers
                 self._subs[sub, given] = tally
         if depth + tally[3] >= DEEPEST:
             raise too_deep(file, statement)
@@ -303,7 +304,7 @@ class Counter:
             try:
                 scope.declare(word.name, evaluate(statement.expression, scope))
             except EvaluationError:
-                scope.declare(word.name, Amount(1.0))  # as `declare_number` does
+                scope.declare(word.name, Amount(1.0))  # the value that `declare_number` gives to a wrong LET
 
     def _fault(self) -> _Tally:
         """Count a line with a mistake as nothing.
@@ -317,7 +318,7 @@ class Counter:
         return _NOTHING
 
     def _needed(self, nodes: tuple[Node, ...], scope: Scope) -> frozenset[str]:
-        """Return the names in a group of lines on which the number of its commands depends."""
+        """Return the names that determine how many commands a group of lines carries out."""
         key = id(nodes) if len(nodes) != 1 else id(nodes[0])
         found = self._read.get(key)
         if found is None:
@@ -331,7 +332,7 @@ class Counter:
 
     def _names(self, nodes: tuple[Node, ...], scope: Scope) -> frozenset[str]:
         names: set[str] = set()
-        # Go backwards: the names in a LET are needed only if the name that it declares is needed further
+        # Go backwards: the names in a LET are needed only if the name that the LET declares is needed further
         # down.
         for node in _backwards(nodes):
             word = node.name.name
@@ -348,7 +349,7 @@ class Counter:
         return frozenset(names)
 
     def _names_given(self, statement: Statement, scope: Scope) -> Iterator[str]:
-        """Yield the names in a CALL's arguments on which the count of its SUB depends."""
+        """Yield the names in those arguments of a CALL on which the number of commands in its SUB depends."""
         values = values_of(statement)
         found = scope.name(values[0].name) if values and isinstance(values[0], Word) else None
         if not isinstance(found, Routine) or not isinstance(sub := found.sub, Sub):
@@ -393,11 +394,9 @@ def _names_in(statement: Statement) -> Iterator[str]:
 
 
 def _too_many_together(file: File, statement: Statement, count: Count) -> TooMuch:
-    """Return the error that the lines of a loop or SUB from its beginning to a statement together exceed a
-    limit.
-    """
+    """Return the error that a loop or SUB exceeds a limit with its lines up to a statement."""
     what, most = _excess(count)
-    message = f"with this {statement.name.name} the lines around it come to {what}; {most}"
+    message = f"with this {statement.name.name} the lines around it make {what}; {most}"
     return TooMuch(file, statement, "Y1004", message, SHORTER)
 
 
@@ -427,7 +426,7 @@ def _too_many_alike(file: File, head: Statement, number: int, one: Count, about:
 def _too_many_rounds(file: File, head: Statement, done: int, number: int, count: Count) -> TooMuch:
     """Return the error that a REPEAT exceeds a limit in round `done` of `number`."""
     what, most = _excess(count)
-    message = f"up to round {done:,} of {number:,} this loop comes to {what}; {most}"
+    message = f"up to round {done:,} of {number:,} this loop makes {what}; {most}"
     return TooMuch(file, head, "Y1004", message, SHORTER)
 
 
@@ -438,14 +437,14 @@ def too_much_so_far(file: File, statement: Statement, count: Count) -> TooMuch |
     if not count.is_too_much:
         return None
     what, most = _excess(count)
-    message = f"with this {statement.name.name} the program comes to {what}; {most}"
+    message = f"with this {statement.name.name} the program makes {what}; {most}"
     return TooMuch(file, statement, "Y1004", message, SHORTER)
 
 
 def too_deep(file: File, statement: Statement) -> TooMuch:
     """Return the error that blocks and calls are nested too deep."""
-    message = f"more than {DEEPEST} blocks and CALLs are inside each other here"
-    return TooMuch(file, statement, "Y0112", message, "let the program call the inner SUBs itself")
+    message = f"more than {DEEPEST} blocks and CALLs are nested here"
+    return TooMuch(file, statement, "Y0112", message, "call the inner SUBs from the program itself")
 
 
 def _excess(count: Count) -> tuple[str, str]:
@@ -461,5 +460,5 @@ def _number(number: int, word: str) -> str:
     return f"{number:,} {word}{'s' * (number != 1)}"
 
 
-SHORTER = "make the loops shorter, or several programs"
+SHORTER = "shorten the loops, or divide the program"
 """Remedy if a program has too many commands."""

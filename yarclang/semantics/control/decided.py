@@ -33,25 +33,12 @@ from yarclang.semantics.actions import read_when
 from yarclang.semantics.control.cases import ways_of
 from yarclang.semantics.control.repeats import repeats
 from yarclang.semantics.control.shifting import offset_of, shift_steps
+from yarclang.semantics.declared.registers import COUNTER, OFFSETS, RETURNS, SEARCHES
 from yarclang.semantics.files import File, values_of
 from yarclang.semantics.motions.to_hir import origin_of
 from yarclang.semantics.names.scope import Scope
 from yarclang.semantics.parts import NOT_FOR_BLOCKS, refuse_parts
 from yarclang.syntax.ast import Block, Node, Statement, Word
-
-SEARCHES = "SEARCH_"
-"""Prefix of the names of registers that become 1 when a search has found its input."""
-
-OFFSETS = "OFFSET_"
-"""Prefix of the names of registers that are 1 if the lines of an OFFSET can be carried out."""
-
-COUNTER = "REPEAT_"
-"""First part of the names of registers that count the passes of a REPEAT."""
-
-RETURNS = "RETURN_"
-"""Prefix of the names of registers that are 1 after a loop if a RETURN in this loop leaves the SUB around
-it.
-"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +48,7 @@ class Ended:
     Attributes:
         why: the reason, for the message.
         help: remedy.
-        returns: True if only the SUB is left, and the lines after its CALL are reached.
+        returns: True if a RETURN ends the SUB; the lines after its CALL are still reached.
     """
 
     why: str
@@ -76,7 +63,7 @@ class _Around:
     Attributes:
         loops: for each loop, from the outermost to the innermost, True if a branch leaves it.
         ways: number of blocks with several branches, such as WHEN and CASE.
-        returned: True if one of their branches leaves the SUB.
+        returned: True if a branch of these blocks leaves the SUB.
         returns: for each loop, True if it has a RETURN.
         flag: register that is 1 after a loop if a RETURN in the loop leaves the SUB; empty without one.
     """
@@ -92,11 +79,10 @@ class Decided:
     """Converter of blocks that are decided at run time to steps. It also finds lines that are never reached.
 
     Args:
-        steps: steps of the program; receives the new ones.
-        registers: registers of the program; receives those of REPEAT, RETURN, OFFSET and searches.
+        steps: steps of the program; the new steps are appended.
+        registers: registers of the program; those that REPEAT, RETURN, OFFSET and searches need are added.
         carry_out: function that carries out lines of a file.
-        count: function that counts a command that is carried out, and the length of a line outside of loops
-            and SUBs.
+        count: function that counts a line that is carried out, for the limits of programs.
     """
 
     def __init__(
@@ -121,7 +107,7 @@ class Decided:
 
     @property
     def goes_nowhere(self) -> bool:
-        """True if an unreachable line was already reported."""
+        """True if an unreachable line of the current branch was already reported."""
         return self._told_unreachable
 
     def end(self, ended: Ended) -> None:
@@ -130,14 +116,17 @@ class Decided:
 
     def tell_unreachable(self, statement: Statement, file: File) -> None:
         """Warn about a line that isn't reached, if it is the first such line of its branch."""
-        if not self._told_unreachable and self.ended is not None:
+        # without its END, a block doesn't say which lines belong to it
+        is_whole = not any(one.code == "Y0113" for one in file.findings.found)
+        if not self._told_unreachable and self.ended is not None and is_whole:
             message = f"this is never reached: {self.ended.why}"
             file.findings.add("Y1001", message, statement.head_span, self.ended.help)
         self._told_unreachable = True
 
     @contextmanager
     def called(self, origin: Callable[[], Origin]) -> Iterator[None]:
-        """Enter a SUB. Its RETURNs jump to its end, and its lines can't leave the loops around its CALL.
+        """Enter a SUB. A RETURN in it jumps to the end of the SUB, and its lines can't leave the loops around
+        the CALL.
 
         Args:
             origin: function that returns the origin of the CALL (its place in the source).
@@ -148,7 +137,7 @@ class Decided:
             yield
         finally:
             around = self._around.pop()
-            if around.returned:  # some ways leave the SUB: write it as a loop of one pass
+            if around.returned:  # a branch leaves the SUB early: write the SUB as a loop of one pass
                 self._steps.insert(begin, Loop(origin()))
                 self._steps.append(EndLoop(origin()))
             if around.flag:
@@ -162,9 +151,9 @@ class Decided:
         returns, name = word == "RETURN", step.origin.label or word
         fault = None
         if returns and len(self._around) == 1:
-            fault = "RETURN stands in no SUB", "STOP ends the program"
+            fault = "RETURN is not in a SUB", "STOP ends the program"
         elif not returns and not around.loops:
-            fault = "EXIT stands in no LOOP or WHILE", "STOP ends the program, RETURN a SUB"
+            fault = "EXIT is not in a LOOP or WHILE", "STOP ends the program, RETURN a SUB"
         if fault is not None:
             file.findings.add("Y0450", fault[0], statement.head_span, fault[1])
             self._steps.append(Gap())
@@ -180,14 +169,17 @@ class Decided:
         else:
             around.returned |= returns and around.ways > 0
         what = "the SUB" if returns else "the loop"
-        # A RETURN in a loop becomes an EXIT that sets the flag; the steps after the loop then leave the SUB.
+        # A RETURN in a loop only leaves the loop: it becomes an EXIT, after the flag is set. Steps after the
+        # loop then leave the SUB if the flag is set.
         leaves_all = returns and not around.loops
         self.ended = Ended(
-            f"{name} leaves {what}", f"move {word} after it, or into a WHEN", returns=leaves_all
+            f"{name} has already left {what}",
+            f"move {word} after this line, or into a WHEN",
+            returns=leaves_all,
         )
 
     def _open_loop(self, left: bool) -> None:
-        """Enter a loop; `left` is True if it is already known that something leaves the loop."""
+        """Enter a loop; `left` is True if it is already known that an EXIT or RETURN leaves the loop."""
         self._around[-1].loops.append(left)
         self._around[-1].returns.append(False)
 
@@ -312,8 +304,8 @@ class Decided:
     def case(self, block: Block, file: File, scope: Scope) -> None:
         """Carry out a CASE.
 
-        Each OF becomes a WHEN in the ELSE of the previous WHEN. The value is read once, at the first WHEN,
-        and all of them use it.
+        Each OF becomes a WHEN in the ELSE of the previous WHEN. The value of the CASE is read once, at the
+        first WHEN. All these WHENs use this value.
         """
         ways, around = ways_of(block, scope, file.findings), file.findings.place
         if ways is None:
@@ -363,7 +355,7 @@ class Decided:
         origin = _origin(end, end.name.name, file, around)
         if self.ended is None:
             self._steps.append(NextPass(origin))
-            why = f"the LOOP of line {block.head.line} goes on for ever"
+            why = f"the LOOP of line {block.head.line} never ends"
             self.ended = Ended(why, "write UNTIL instead of END, or EXIT in a WHEN")
         self._steps.append(EndLoop(origin))
         if self._close_loop(origin):
@@ -378,8 +370,8 @@ class Decided:
             self.repeat(block, file, scope, RegisterValue(register.name), register)
             return
         if end is not None and end.name.name == "UNTIL":
-            message = "a LOOP with a number of passes ends with END"
-            file.findings.add("Y0401", message, end.head_span, "write EXIT in a WHEN, to leave it before")
+            message = "a LOOP with a number of passes must end with END, not UNTIL"
+            file.findings.add("Y0401", message, end.head_span, "to leave it earlier, write EXIT in a WHEN")
             self._steps.append(Gap())
             return
         count = repeats(head, values, scope, file.findings)
@@ -406,7 +398,7 @@ class Decided:
             file: file of the loop.
             scope: the names in scope at the loop.
             count: number of passes.
-            bounds: a register whose range is that of the number of passes.
+            bounds: a register whose range contains every possible number of passes.
         """
         head, around = block.head, file.findings.place
         origin = _origin(head, head.name.name, file, around)
@@ -440,7 +432,7 @@ class Decided:
         self._close_loop(end)
 
     def _own_register(self, word: str, low: int, high: int, scope: Scope | None = None) -> Register:
-        """Declare a register whose name can't be written in a program."""
+        """Declare a register for a block. Its name is `word` and a number, and isn't in use yet."""
         taken = {one.name for one in self._registers}
         number = next(
             number
@@ -459,8 +451,8 @@ class Decided:
         around.ways -= 1
 
     def _way_ended(self) -> Ended | None:
-        """Return why the last branch doesn't reach its end (None if it does), and mark the next branch as
-        reachable.
+        """Return the reason why the branch that has just been carried out doesn't reach its end (None if it
+        does), and mark the next branch as reachable.
         """
         ended = self.ended
         self._goes_on()
@@ -481,7 +473,7 @@ class Decided:
 
 
 def _origin(statement: Statement, word: str, file: File, around: str) -> Origin:
-    """Return the origin of a step that a block becomes, such as its WHEN. Its place is that of the block, not
-    that of a line in it.
+    """Return the origin of a step that stands for a block, such as a WHEN. The origin has the place of the
+    block, not that of a line in it.
     """
     return replace(origin_of(statement, word, file.findings), place=around)

@@ -70,7 +70,7 @@ class Extent:
 
     def _look(self) -> None:
         self._next = self._lines + _EVERY
-        # Outside of loops and SUBs the number of lines that follow is unknown.
+        # The number of lines that follow is known only in loops and SUBs. Elsewhere, report a total of 0.
         tell("checking", self._lines, self._expected if self._expected > self._lines else 0)
         if any(map(self._has_new_errors, self._collectors)):
             self._limit(ENOUGH_WITH_ERRORS)

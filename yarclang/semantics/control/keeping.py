@@ -28,7 +28,7 @@ _VALUES: dict[KeepKind, tuple[tuple[Kind, str], ...]] = {
     "FACING": (("angle", "the angle"), *_RANGE),
     "SEEN": (("angle", "the angle"), *_RANGE),
 }
-"""The kind and the description of each value of a KEEP rule; all but the first may be left out."""
+"""The kind and the description of each value of a KEEP rule. Only the first value of a rule is required."""
 _REFUSED = ("a motion time", "options")
 
 
@@ -38,7 +38,7 @@ def keep_of(head: Statement, scope: Scope, defaults: Defaults, findings: Collect
     Args:
         head: the line.
         scope: the names in scope at this line.
-        defaults: what the DEFAULT line of its file gives.
+        defaults: the values of the DEFAULT line of its file.
         findings: receives the findings.
 
     Returns:
@@ -50,7 +50,7 @@ def keep_of(head: Statement, scope: Scope, defaults: Defaults, findings: Collect
     help_ = f"for example {spec.example}"
     carried: Frame | None = None
     if head.moving is None:
-        message = "KEEP doesn't say which frame of the robot it keeps"
+        message = "KEEP has no moving frame"
         findings.add("Y0302", message, head.head_span, help_)
     else:
         carried = moving_frame(head, head.moving, scope, findings)
@@ -75,7 +75,9 @@ def _standing(head: Statement, scope: Scope, findings: Collector) -> Frame | Non
         return scope.frame("B")
     found = known_frame(head, head.base, scope, findings)
     if found is not None and found.on_flange:
-        message = f"{head.base.text} moves with the robot: what a frame is kept to stands still"
+        message = (
+            f"{head.base.text} moves with the robot: the reference frame of KEEP must be fixed in the cell"
+        )
         findings.add("Y0303", message, head.span(head.base.place), "write {B}", subject=Name(head.base.name))
         return None
     return found
@@ -85,7 +87,7 @@ def _kind(head: Statement, values: list[Value], findings: Collector) -> KeepKind
     spec = word_specs()["KEEP"]
     help_ = f"for example {spec.example}"
     if len(values) < 2 or not isinstance(values[0], Word) or len(head.waypoints) > 1:
-        findings.add("Y0401", f"KEEP wants {spec.wants}", head.whole_span, help_)
+        findings.add("Y0401", f"KEEP needs {spec.wants}", head.whole_span, help_)
         return None
     word = values[0]
     for kind in _KINDS:
@@ -94,9 +96,9 @@ def _kind(head: Statement, values: list[Value], findings: Collector) -> KeepKind
     subject = unknown(word.text, _KINDS)
     findings.add(
         "Y0480",
-        f"KEEP doesn't know {word.text}",
+        f"{word.text} is no rule of KEEP",
         head.span(word.place),
-        f"{subject.question} it takes {', '.join(_KINDS[:-1])} or {_KINDS[-1]}".lstrip(),
+        f"{subject.question} the rules are {', '.join(_KINDS[:-1])} or {_KINDS[-1]}".lstrip(),
         subject=subject,
     )
     return None
@@ -118,8 +120,8 @@ def _limits(
         *names, last = (name for _, name in wanted)
         names_ = f"{', '.join(names)} and {last}" if names else last
         message = (
-            f"{kind} takes {f'{len(wanted)} values at most, {names_}' if names else names_}, and "
-            f"{len(values)} values stand here"
+            f"{kind} takes {f'{len(wanted)} values at most, {names_}' if names else names_}, but "
+            f"{len(values)} are given"
         )
         span = head.span(values[len(wanted)].place)
         findings.add("Y0401", message, span, f"for example {word_specs()['KEEP'].example}")
@@ -136,9 +138,9 @@ def _limits(
             f"{kind} takes an angle from {LEAST_TILT / DEG:g} to {MOST_TILT / DEG:g} deg, and this is "
             f"{angle / DEG:.6g}"
         )
-        help_ = "0 would be a motion without any deviation: write 1 (deg)"
+        help_ = "no motion is exact to 0 deg: write 1 (deg)"
         if angle > MOST_TILT:
-            help_ = "180 (deg) would forbid nothing: take the KEEP away, or write a smaller angle"
+            help_ = "180 deg would forbid nothing: write a smaller angle, or remove the KEEP"
         findings.add("Y0480", message, head.span(values[0].place), help_)
         return None
     near, far = (*found[1:], *(LEAST_SIGHT, np.inf)[len(found) - 1 :])[:2]
@@ -147,7 +149,7 @@ def _limits(
             f"{kind} takes a least distance of {LEAST_SIGHT / MM:g} mm or more, and this is {near / MM:.6g} "
             "mm"
         )
-        help_ = "at the apex of the cone there is no direction: write a larger distance, or leave it out"
+        help_ = "at the apex of the cone no direction is defined: write a larger distance, or none"
         findings.add("Y0482", message, head.span(values[1].place), help_)
         return None
     if not far >= near + LEAST_SIGHT:
@@ -156,8 +158,7 @@ def _limits(
             "to do so"
         )
         help_ = (
-            f"the largest distance comes last, and is at least {LEAST_SIGHT / MM:g} mm more than the least "
-            "one"
+            f"write the smaller distance first; the larger one must be at least {LEAST_SIGHT / MM:g} mm more"
         )
         findings.add("Y0482", message, head.span(values[2].place), help_)
         return None
@@ -182,7 +183,8 @@ def _value(
     if units is None or found is None:
         return None
     kind, name = wanted
-    # if the line has units, those of DEFAULT don't apply: 10 (mm) is no angle
+    # If the line names units, the units of DEFAULT don't apply to it. An angle written as 10 (mm) thus lacks
+    # its unit.
     unit = units.get(kind) or found.unit or (None if units else defaults.units.get(kind))
     try:
         if unit is None:

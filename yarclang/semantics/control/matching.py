@@ -1,5 +1,5 @@
-"""Find the argument that a CALL gives for each parameter of a SUB: by position first, then by name, and else
-its default.
+"""Find the argument that a CALL gives for each parameter of a SUB: by position first, then by name. A
+parameter without an argument gets its default.
 """
 
 from __future__ import annotations
@@ -37,8 +37,10 @@ def matched(statement: Statement, head: Statement, findings: Collector) -> tuple
     ):
         listed = " ".join(value.text for value in wanted) or "nothing"
         message = (
-            f"{name} wants {len(wanted)} argument{'s' * (len(wanted) != 1)} ({listed}), {len(given)} given"
+            f"{name} takes {len(wanted)} argument{'s' * (len(wanted) != 1)} ({listed}), {len(given)} given"
         )
+        if given and len(given) < len(wanted):
+            message += f"; {', '.join(map(_shown, wanted[len(given) :]))} is missing"
         help_ = f"write CALL {name} {listed}, with a value for each" if wanted else f"write CALL {name} alone"
         findings.add("Y0411", message, statement.whole_span, help_)
         return None
@@ -51,14 +53,14 @@ def matched(statement: Statement, head: Statement, findings: Collector) -> tuple
     if fine and lacking:
         listed = ", ".join(_shown(one) for one in lacking)
         how = " ".join(f"{_plain(one)}={'{...}' if isinstance(one, FrameName) else '...'}" for one in lacking)
-        message = f"{name} lacks {listed}"
+        message = f"{name} needs a value for {listed}"
         findings.add("Y0411", message, statement.whole_span, f"add {how} to the line")
     return tuple(found.get(at) for at in range(len(wanted))) if fine and not lacking else None
 
 
 def _in_order(statement: Statement, given: list[Value], findings: Collector) -> bool:
-    """Check that a CALL's unnamed arguments come before the named ones, and that no frame's name has
-    braces.
+    """Check that a CALL's unnamed arguments come before the named ones, and that names before an equals sign
+    have no braces.
     """
     named: NamedValue | None = None
     for frame, sign in pairwise(given):
@@ -81,7 +83,7 @@ def _in_order(statement: Statement, given: list[Value], findings: Collector) -> 
 def _by_name(
     statement: Statement, one: NamedValue, head: Statement, found: dict[int, Value], findings: Collector
 ) -> bool:
-    """Find the parameter of one named argument, and add its place to the places that are found.
+    """Find the parameter of a named argument, and store the argument in `found` by the parameter's number.
 
     Returns:
         False with a finding if no parameter has this name, or if the parameter has an argument already.
@@ -97,12 +99,12 @@ def _by_name(
         )
         findings.add("Y0489", f"{sub} has no parameter {one.word.text}", span, help_, subject=subject)
         return False
-    # A frame and a number may have the same name: the value says which of them is meant.
+    # A frame and a number may have the same name: the kind of the value decides which of them is meant.
     of_kind = [at for at in named if isinstance(wanted[at], FrameName) == isinstance(one.value, FrameName)]
     at = (of_kind or named)[0]
     if at in found:
         message = f"{_shown(wanted[at])} is given twice: `{found[at].text}` and `{one.value.text}`"
-        findings.add("Y0490", message, statement.span(one.place), "take one of them away")
+        findings.add("Y0490", message, statement.span(one.place), "remove one of them")
         return False
     found[at] = one.value
     return True
@@ -131,7 +133,7 @@ def parameters_of(head: Statement) -> list[Value]:
 
 
 def names_of_parameters(head: Statement) -> list[str]:
-    """Return the names of a SUB's parameters in upper case; empty for a frame."""
+    """Return the names of a SUB's parameters in upper case, with an empty text for each frame."""
     words = map(word_of, parameters_of(head))
     return [word.name if word is not None else "" for word in words]
 

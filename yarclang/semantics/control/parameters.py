@@ -35,7 +35,7 @@ def check_parameters(head: Statement, scope: Scope, robot: Robot, findings: Coll
 
     Args:
         head: the SUB line.
-        scope: the names that the SUB sees.
+        scope: the names in scope at the SUB line.
         robot: the robot.
         findings: receives the findings.
     """
@@ -96,8 +96,8 @@ def bind_some(
         names: the parameters, in upper case; frames are never declared.
 
     Returns:
-        The scope of the SUB's body, with these parameters, and their meanings; None if an argument doesn't
-        fit its parameter.
+        The scope of the SUB's body, in which these parameters are declared; and the meanings of the
+        parameters. None if an argument doesn't fit its parameter.
     """
     head, silent = sub.block.head, Collector(source)
     given = matched(statement, head, silent)
@@ -152,7 +152,7 @@ def _bind_one(
     span = statement.span(value.place)
     if isinstance(parameter, FrameName):
         if not isinstance(value, FrameName):
-            message = f"a frame is wanted for {parameter.text}, not {value.text}"
+            message = f"the parameter {parameter.text} is a frame, and {value.text} is none"
             findings.add("Y0411", message, span, subject=unknown(value.text))
             return False
         frame = known_frame(statement, value, scope, findings)
@@ -175,7 +175,7 @@ def _bind_one(
             known = sorted(set(scope.names(JointPosition, Pose, Input, Output)))
             subject = unknown(value.text, known)
             message = (
-                f"{value.text} is {KINDS[type(meaning)]}" if meaning else f"nothing is named {value.text}"
+                f"{value.text} is {KINDS[type(meaning)]}" if meaning else f"no name {value.text} is declared"
             )
             findings.add("Y0411", message, span, subject.question, subject=subject)
             return False
@@ -205,7 +205,7 @@ def _bind_one(
             findings.add("Y0411", message, span, error.help, subject=unknown(value.text))
             return False
     else:
-        findings.add("Y0411", f"`{value.text}` is no argument", span, subject=unknown(value.text))
+        findings.add("Y0411", f"`{value.text}` can't be an argument", span, subject=unknown(value.text))
         return False
     inner.declare(word.text.upper(), meaning, where)
     return True

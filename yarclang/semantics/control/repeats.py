@@ -16,7 +16,7 @@ MOST_ROUNDS = 200_000
 """Largest number of rounds of all loops of a program together, including loops without a command."""
 
 AT_MOST = "the loops of a program make at most"
-"""First words of the sentence about MOST_ROUNDS."""
+"""Part of a message, which is followed by MOST_ROUNDS and the word "rounds"."""
 
 
 def counted(head: Statement) -> tuple[Word | None, list[Value]]:
@@ -44,16 +44,13 @@ def repeats(head: Statement, values: list[Value], scope: Scope, findings: Collec
     )
     if len(values) == 1 and isinstance(values[0], Word) and isinstance(scope.name(values[0].name), Register):
         name = values[0].text
-        message = (
-            f"{name} is known only when the program runs: its rounds have no number that lines can compute "
-            "with"
-        )
-        findings.add("Y0401", message, head.whole_span, f"write REPEAT {name}, without a name in front of it")
+        message = f"{name} is known only when the program runs: REPEAT can't count its rounds under a name"
+        findings.add("Y0401", message, head.whole_span, f"write REPEAT {name}, without a name before it")
         return None
     if len(values) != 1 or not isinstance(values[0], Number | Computed):
         word = head.name.name
         wants = "a name and a number, or a number" if word == "REPEAT" else "a number of passes, or nothing"
-        findings.add("Y0401", f"{word} wants {wants}", head.whole_span, example)
+        findings.add("Y0401", f"{word} takes {wants}", head.whole_span, example)
         return None
     span = head.span(values[0].place)
     if (fault := number_fault(values[0])) is not None:
@@ -65,10 +62,12 @@ def repeats(head: Statement, values: list[Value], scope: Scope, findings: Collec
     whole = round(found.value)
     # Round first: 3 * 0.1 * 10 means 3, although its floating-point value differs.
     if found.unit is not None or whole < 0 or abs(found.value - whole) > 1e-9 * max(1, whole):
-        findings.add("Y0414", f"{head.name.name} {found}: an integer of 0 or more is needed", span, example)
+        findings.add(
+            "Y0414", f"{head.name.name} {found}: the count must be an integer of 0 or more", span, example
+        )
         return None
     if whole > MOST_ROUNDS:
         message = f"{head.name.name} {whole:,}: {AT_MOST} {MOST_ROUNDS:,} rounds"
-        findings.add("Y1004", message, span, "make the loop shorter")
+        findings.add("Y1004", message, span, "reduce the count")
         return None
     return whole

@@ -67,13 +67,13 @@ def offset_of(
     refuse_parts(head, _REFUSED, findings)
     spec = word_specs()["OFFSET"]
     if head.moving is None:
-        message, help_ = "OFFSET doesn't say which frame it shifts", f"for example {spec.example}"
+        message, help_ = "OFFSET has no frame to shift", f"for example {spec.example}"
         findings.add("Y0302", message, head.head_span, help_)
         return None
     frame = known_frame(head, head.moving, scope, findings)
     if frame is not None and (fault := _cannot_shift(frame)):
         message = f"{head.moving.text} {fault}"
-        help_ = "declare a frame that stands where the part is: FRAME {PART} 500 800 200 0 0 0 (mm,deg) {B}"
+        help_ = "declare a frame at the place of the part: FRAME {PART} 500 800 200 0 0 0 (mm,deg) {B}"
         findings.add("Y0476", message, head.span(head.moving.place), help_, subject=Name(head.moving.name))
         frame = None
     registers = _registers(head, scope, findings)
@@ -88,20 +88,20 @@ def offset_of(
 def _cannot_shift(frame: Frame) -> str:
     """Return the reason why a frame can't be shifted; empty if it can."""
     if frame.on_flange:
-        return "moves with the robot: what is shifted stands in the cell"
+        return "moves with the robot: only a frame fixed in the cell can be shifted"
     if frame.link is None or frame.link.name == BASE or frame.link.parent is None:
-        return "is the robot's own frame, in which all places are given: it can't be shifted"
+        return "is the base of the robot: it can't be shifted"
     return ""
 
 
 def _registers(head: Statement, scope: Scope, findings: Collector) -> tuple[str, ...] | None:
-    """Return the register for each axis in `SHIFTS` that an OFFSET names; None with a finding if the line
-    is wrong.
+    """Return for each axis in `SHIFTS` the name of the register by which an OFFSET shifts along or about this
+    axis; empty for an axis that the OFFSET doesn't name. None with a finding if the line is wrong.
     """
     values = values_of(head)
     spec = word_specs()["OFFSET"]
     if not values or len(values) % 2 or not all(isinstance(one, Word) for one in values):
-        message, help_ = f"OFFSET wants {spec.wants}", f"for example {spec.example}"
+        message, help_ = f"OFFSET needs {spec.wants}", f"for example {spec.example}"
         findings.add("Y0401", message, head.whole_span, help_)
         return None
     found: dict[str, str] = {}
@@ -109,7 +109,7 @@ def _registers(head: Statement, scope: Scope, findings: Collector) -> tuple[str,
     for axis, word in zip(words[::2], words[1::2], strict=True):
         if axis.name not in SHIFTS or axis.name in found:
             message = (
-                f"{axis.text} stands twice" if axis.name in found else f"a frame isn't shifted by {axis.text}"
+                f"{axis.text} is given twice" if axis.name in found else f"OFFSET can't shift by {axis.text}"
             )
             findings.add("Y0476", message, head.span(axis.place), f"OFFSET takes {', '.join(SHIFTS)}")
             return None
@@ -126,26 +126,26 @@ def _registers(head: Statement, scope: Scope, findings: Collector) -> tuple[str,
             return None
         if not register.low <= 0 <= register.high:
             message = (
-                f"{word.text} is from {register.low} to {register.high}, and the place that is proved "
-                "before, without a shift, is 0"
+                f"{word.text} is from {register.low} to {register.high}, and doesn't include 0, the "
+                "unshifted place"
             )
-            findings.add("Y0476", message, span, "declare a range with 0 in it: it is the box of the OFFSET")
+            findings.add("Y0476", message, span, "declare a range that includes 0")
             return None
         if register.name in found.values():
-            findings.add("Y0476", f"{word.text} stands twice", span, "each direction has a register")
+            findings.add("Y0476", f"{word.text} is given twice", span, "use one register for each direction")
             return None
         found[axis.name] = register.name
     return tuple(found.get(one, "") for one in SHIFTS)
 
 
 def _parts_in(frame: Frame, cell: Cell | None) -> tuple[str, ...]:
-    """Return the names of the parts that the cell places in a frame, directly or through other frames that
-    are given in it.
+    """Return the names of the parts that the cell places in a frame, directly or in frames whose poses
+    are given relative to it.
     """
     if cell is None or frame.link is None or frame.link.name not in cell.frames:
         return ()
     if not np.array_equal(cell.frames[frame.link.name].mount.transform, frame.transform):
-        return ()  # the program has a frame of the same name
+        return ()  # the program declares another frame of this name
     found = []
     for part in cell.parts:
         name = part.frame
@@ -160,7 +160,7 @@ def shift_steps(steps: list[Step], begin: int, findings: Collector) -> None:
     """Mark the goals that an OFFSET shifts, and check that its steps can be planned at run time.
 
     Args:
-        steps: steps of the program, ending with those of the OFFSET. The motions of the OFFSET are replaced.
+        steps: steps of the program, ending with the OFFSET's steps. The motions of the OFFSET are replaced.
         begin: number of the OFFSET's When.
         findings: receives the findings.
     """
@@ -175,8 +175,8 @@ def shift_steps(steps: list[Step], begin: int, findings: Collector) -> None:
             return
         if fault := _fault_of(step):
             origin = step.origin
-            message = f"{origin.name} can't stand in an OFFSET: {fault}"
-            help_ = "end the OFFSET before it, or move it in front of the OFFSET"
+            message = f"{origin.name} isn't allowed in an OFFSET: {fault}"
+            help_ = "end the OFFSET before this line, or move the line before the OFFSET"
             findings.found.append(
                 Diagnostic("Y0477", message, origin.source, origin.span, help_, place=origin.place)
             )
@@ -185,11 +185,12 @@ def shift_steps(steps: list[Step], begin: int, findings: Collector) -> None:
             if rule := next((one for one in step.keeps if offset.name in one.among), None):
                 origin = step.origin
                 message = (
-                    f"{origin.label or origin.name} keeps to {rule.words}, where the file has it, and this "
-                    f"OFFSET shifts {{{offset.name}}}"
+                    f"{origin.label or origin.name} is under KEEP {rule.words}, and this OFFSET shifts its "
+                    f"reference frame {{{offset.name}}}"
                 )
                 help_ = (
-                    "keep to a frame that isn't shifted, such as {B}, or end the KEEP in front of the OFFSET"
+                    "use a KEEP relative to a frame that isn't shifted, such as {B}, or end the KEEP "
+                    "before the OFFSET"
                 )
                 findings.found.append(
                     Diagnostic("Y0477", message, origin.source, origin.span, help_, place=origin.place)
@@ -198,8 +199,8 @@ def shift_steps(steps: list[Step], begin: int, findings: Collector) -> None:
             steps[number] = step = _shifted(step, offset)
             motions.append(step)
     if not any(_is_shifted(one) for one in motions):
-        message = f"nothing in this OFFSET is given in {{{offset.name}}}: no motion is shifted"
-        help_ = f"give a pose in {{{offset.name}}}, or take OFFSET and its END away"
+        message = f"no motion of this OFFSET has a pose in {{{offset.name}}}: nothing is shifted"
+        help_ = f"give a pose in {{{offset.name}}}, or remove OFFSET and its END"
         findings.found.append(Diagnostic("Y0477", message, head.source, head.span, help_, place=head.place))
         return
     last = motions[-1]
@@ -209,11 +210,8 @@ def shift_steps(steps: list[Step], begin: int, findings: Collector) -> None:
         or isinstance(last.goal, JointDelta | PoseDelta)
         or _is_shifted(last)
     ):
-        message = (
-            f"the OFFSET ends where {last.origin.name} leads, and that place is shifted, or isn't given by "
-            "itself"
-        )
-        help_ = "end the OFFSET with a MOVEL or MOVEJ to a place of its own that isn't shifted, without BLEND"
+        message = f"the OFFSET ends with {last.origin.name} at a shifted or relative place"
+        help_ = "end the OFFSET with a MOVEL or MOVEJ to an absolute place that isn't shifted, without BLEND"
         origin = last.origin
         findings.found.append(
             Diagnostic("Y0477", message, origin.source, origin.span, help_, place=origin.place)
@@ -223,20 +221,21 @@ def shift_steps(steps: list[Step], begin: int, findings: Collector) -> None:
 def _fault_of(step: Step) -> str:
     """Return the reason why a step isn't allowed in an OFFSET; empty if it is."""
     if isinstance(step, ArcMove):
-        return "the point that its arc passes isn't shifted"
+        return "the via pose of its arc isn't shifted"
     if isinstance(step, JointMove | LineMove) and step.search is not None:
-        return "where it ends is known only when it has ended"
+        return "its end is known only after the motion"
     if isinstance(step, LineMove) and step.avoids:
         return (
-            "its way is found where the file has the frame; write it as MOVEL by the places that Y0920 tells"
+            "its path is found only for the unshifted frame; write MOVELs through the poses that Y0920 "
+            "reports"
         )
     if isinstance(step, Motion | Gap | _Standing):
         return ""
-    return "its lines are planned as a whole when the program runs, so they have one way"
+    return "its lines are planned as a whole, and can't branch"
 
 
 def _shifted(step: Motion, offset: Offset) -> Motion:
-    """Return a motion in which the goals that are given in an OFFSET's frame are marked."""
+    """Return a motion whose goals are marked as shifted if they are given relative to an OFFSET's frame."""
     if isinstance(step, SplineMove | PoseSplineMove):
         goals = tuple(_marked(one, step.origin.base, offset) for one in step.waypoints)
         return replace(step, waypoints=goals)  # type: ignore[arg-type]  # each goal keeps its kind
@@ -255,7 +254,7 @@ def _marked(goal: Goal, base: FrameLink | None, offset: Offset) -> Goal:
 
 
 def _lies_in(link: FrameLink | None, frame: FrameLink | None) -> bool:
-    """Return True if a frame is an OFFSET's frame, or is given in it."""
+    """Return True if `frame`, the frame of an OFFSET, is `link` or one of its parents."""
     while link is not None:
         if frame is not None and link.is_same(frame):
             return True

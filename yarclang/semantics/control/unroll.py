@@ -81,7 +81,7 @@ class Unrolled:
         cell: the cell around the robot; None without one.
         findings: the findings of all files.
         is_cut: True if some rounds of loops or some calls were not carried out.
-        registers: declared registers, and those of loops and searches.
+        registers: declared registers, and the registers that loops and searches use.
         watches: inputs that hold the motion.
         ways_out: the motions by which the robot withdraws after such an input has held the motion.
     """
@@ -100,8 +100,8 @@ class Unrolled:
 def unroll(module: Module, context: Context) -> Unrolled:
     """Carry out a program's declarations, loops, conditions and calls.
 
-    A long program is first carried out up to a limit. The rest is carried out only if this shows no errors;
-    usually it shows them if there are any.
+    A long program is first carried out up to a limit, because most errors appear there already. It is carried
+    out completely only if none has appeared.
     """
     least = context.enough or ENOUGH_WITH_ERRORS
     unrolled = _Unroller(context, least).program(module)
@@ -151,8 +151,8 @@ class _Unroller:
         """SUBs that were called after the limit of lines was reached."""
         self._commands = 0
         self._counted = Count()
-        """Commands, lines and rounds from the beginning to the current line; those of loops and calls are
-        counted in advance.
+        """Commands, lines and rounds from the beginning to the current line. Loops and calls are counted in
+        advance.
         """
         self._depth = 0
         """Number of blocks and calls that are being carried out."""
@@ -202,7 +202,7 @@ class _Unroller:
             if not place and head.name.name not in (
                 "REPEAT",
                 "CALL",
-            ):  # counted with all their lines
+            ):  # REPEAT and CALL are counted together with their lines
                 is_command = head.index is not None or head.name.name not in _NO_COMMANDS
                 self._add_counted(Count(int(is_command), size), head, file)
             if isinstance(node, Block) and self._decided.ended is not None and node.head.name.name != "SUB":
@@ -257,8 +257,8 @@ class _Unroller:
         before, begin = self._keeps, len(self._steps)
         around = [one for one, other in self._kept_around if _is_inside(block, other)]
         if wider := next((one for one in around if kept.is_within(one)), None):
-            message = f"every place that keeps to {wider.words} around it keeps to {kept.words} as well"
-            help_ = "take this KEEP and its END away, or give it a narrower limit"
+            message = f"KEEP {kept.words} has no effect: KEEP {wider.words} around it is at least as strict"
+            help_ = "give it a narrower limit, or remove this KEEP and its END"
             file.findings.add("Y0483", message, block.head.whole_span, help_)
         self._kept_around.append((kept, block))
         if kept not in before:
@@ -267,12 +267,12 @@ class _Unroller:
         self._keeps = before
         self._kept_around.pop()
         if not any(isinstance(one, Motion | Gap) for one in self._steps[begin:]):
-            message = "nothing in this KEEP moves the robot"
-            help_ = "put the motions between KEEP and its END"
+            message = "no line of this KEEP moves the robot"
+            help_ = "move the motions between KEEP and its END"
             file.findings.add("Y0481", message, block.head.whole_span, help_)
 
     def _wait(self, block: Block, file: File, scope: Scope, place: Place) -> None:
-        """Carry out a WAIT with its ELSE."""
+        """Carry out a WAIT that has an ELSE."""
         file.command_seen = True
         file.findings.place = shown(at(place, block.head)) if place else ""
         step = read_wait_else(block.head, scope, file.defaults, file.findings)
@@ -301,8 +301,13 @@ class _Unroller:
         if self._context.index_needed:
             return False
         until = next(one for one in statement.options if one.word.name == "UNTIL")
-        message = "UNTIL belongs into a program: each line that is typed is carried out by itself"
-        file.findings.add("Y0208", message, statement.span(until.word.place), "write a file, and run it")
+        message = "UNTIL works only in a file: each typed line is carried out by itself"
+        file.findings.add(
+            "Y0208",
+            message,
+            statement.span(until.word.place),
+            "write the lines into a file, and run the file",
+        )
         self._steps.append(Gap())
         return True
 
@@ -367,8 +372,8 @@ class _Unroller:
                 break
 
     def _count(self, node: Node, file: File, scope: Scope, place: Place) -> None:
-        """Count the commands of a loop or call that is in no other loop or SUB; add a finding if a limit
-        is exceeded.
+        """Count the commands of a loop or call that isn't inside another loop or SUB; add a finding if a
+        limit is exceeded.
         """
         if place or self._is_too_much or self._decided.ended is not None:
             return
@@ -395,7 +400,7 @@ class _Unroller:
             self._tell_too_much(error)
 
     def _tell_too_much(self, error: TooMuch, place: str = "") -> None:
-        """Add a finding, and carry out as little as possible of the rest of the program."""
+        """Add the finding that a program exceeds a limit, and carry out as little as possible of the rest."""
         findings = error.file.findings
         before, findings.place = findings.place, place
         findings.add_error(error, error.statement.whole_span)
@@ -502,8 +507,10 @@ class _Unroller:
         elif (action := actions().get(word)) is not None:
             steps = read_action(statement, action, scope, file.defaults, file.findings) or ()
             if any(isinstance(one, Say) and one.teaches for one in steps) and not self._context.index_needed:
-                message = f"{statement.name.name} belongs into a program: what it keeps belongs to a file"
-                file.findings.add("Y0208", message, statement.head_span, "write a file, and run it")
+                message = f"{statement.name.name} works only in a file, which its taught places belong to"
+                file.findings.add(
+                    "Y0208", message, statement.head_span, "write the lines into a file, and run the file"
+                )
                 steps = ()
         else:
             name = self._names.resolved(statement, file.findings)
@@ -532,7 +539,7 @@ class _Unroller:
             self._steps.append(step)
             if isinstance(step, Stop | Finish):
                 why = f"{step.origin.label or step.origin.name} ends the program"
-                self._decided.end(Ended(why, f"move {step.origin.name} to the end, or take it away"))
+                self._decided.end(Ended(why, f"move {step.origin.name} to the end, or remove it"))
 
     def _read(
         self, statement: Statement, name: ResolvedName, file: File, scope: Scope, *, is_alone: bool
@@ -562,7 +569,8 @@ class _Unroller:
     def _count_command(self, statement: Statement, file: File) -> None:
         """Count a command that is carried out.
 
-        The limit was checked in advance, so only lines with mistakes can still cause a finding here.
+        The limit was checked in advance, with lines with mistakes counted as nothing. Only such lines can
+        therefore cause a finding here.
         """
         self._commands += 1
         error = None if self._is_too_much else too_much_so_far(file, statement, Count(self._commands))
@@ -571,14 +579,14 @@ class _Unroller:
 
 
 def _is_inside(block: Block, other: Block) -> bool:
-    """Return True if a block is written inside another one. The lines of a SUB that is called from there
+    """Return True if a block is written inside another one. The lines of a SUB that the other block calls
     don't count.
     """
     return any(one is block or (isinstance(one, Block) and _is_inside(block, one)) for one in other.body)
 
 
 def _names_file(statement: Statement) -> bool:
-    """Return True if a command has a text in quotes instead of way-points."""
+    """Return True if a command names a trajectory file (a text in quotes) instead of waypoints."""
     return len(statement.waypoints) == 1 and isinstance(statement.waypoints[0].values[0], Text)
 
 

@@ -55,8 +55,8 @@ class Cells:
         """Declare the names of the cell that the command line or yarc.toml names.
 
         Args:
-            scope: names of the program; receives those of the cell.
-            signals: signals of the program and its modules; receives those of the cell.
+            scope: names of the program; the names of the cell are added.
+            signals: signals of the program and its modules; the signals of the cell are added.
             findings: findings of the program.
 
         Returns:
@@ -85,18 +85,23 @@ class Cells:
 
         Args:
             statement: the line.
-            scope: names of its file; receives those of the cell.
-            signals: signals of the program and its modules; receives those of the cell.
+            scope: names of its file; the names of the cell are added.
+            signals: signals of the program and its modules; the signals of the cell are added.
             findings: findings of the file.
             is_program: True for the program, False for a module.
 
         Returns:
-            The outputs that it adds to the program.
+            The outputs that the cell adds to the program.
         """
         line = read_cell_line(statement, findings)
         load = self._context.load_cell
         if line is not None and load is None:
-            findings.add("Y1302", "cells can't be read here", line.span, "give the program as a file")
+            findings.add(
+                "Y1302",
+                "a CELL can't be read here: this text is not a file",
+                line.span,
+                "give the program as a file",
+            )
         if line is None or load is None:
             self.broken = self._unread = True
             return []
@@ -109,10 +114,10 @@ class Cells:
             return []  # its names were declared before the first line
         cell = loaded.value
         if cell is not None and self.cell is not None and cell is not self.cell:
-            message = (
-                f"the robot stands in {self.cell.source.name} already, it can't be in {cell.source.name} too"
+            message = f"two cells are named: {self.cell.source.name} and {cell.source.name}"
+            findings.add(
+                "Y1373", message, line.span, "name the same cell file in the program and its modules"
             )
-            findings.add("Y1373", message, line.span, "name the same file in the program and its modules")
             self.broken = True
         is_new = cell is None or cell.source.name not in self._told
         if is_new:
@@ -134,8 +139,8 @@ class Cells:
 
     def _refuse(self, line: CellName, given: GivenCell, findings: Collector) -> None:
         """Add a finding about a CELL line that doesn't name the given cell's file."""
-        message = f"the CELL line names {line.path}, {given.giver} names {given.path}"
-        findings.add("Y1373", message, line.span, f"take the CELL line away, or {given.remedy}")
+        message = f"two cells are named: {line.path} by the CELL line, {given.path} by {given.giver}"
+        findings.add("Y1373", message, line.span, f"remove the CELL line, or {given.remedy}")
         self.broken = True
 
     def without_followers(self, findings: list[Diagnostic]) -> list[Diagnostic]:
@@ -165,7 +170,7 @@ def declare_cell(
         cell: the cell.
         scope: receives the names.
         robot: the robot.
-        signals: signals of the program and its modules; receives those of the cell.
+        signals: signals of the program and its modules; the signals of the cell are added.
 
     Returns:
         The outputs of the cell, and findings about names that are declared already, at their places in the
@@ -183,10 +188,7 @@ def declare_cell(
             _clash(declared_already(name, scope.where(name), cell.source), where, findings)
             continue
         if of_robot and table != "joints":
-            message = (
-                f"{name} is a joint position of {robot.name}, and means something else in programs with "
-                "this cell"
-            )
+            message = f"{name} is a joint position of {robot.name}, which this cell hides under the same name"
             findings.append(Diagnostic("Y0214", message, cell.source, span, "choose another name"))
         meaning = _meaning(cell, table, name, robot)
         scope.declare(name, meaning, where)
@@ -200,8 +202,8 @@ def declare_cell(
 
 
 def _meaning(cell: Cell, table: str, name: str, robot: Robot) -> Named:
-    """Return the meaning of a name in a cell. For an entry with an error it is a default, so that uses of the
-    name cause no further errors.
+    """Return the meaning of a name in a cell. An entry with an error gets a default meaning, so that uses of
+    the name cause no further errors.
     """
     match table:
         case "joints":

@@ -19,7 +19,7 @@ from yarclang.semantics.declared.meanings import (
     declare_pose,
     may_be_declared,
 )
-from yarclang.semantics.declared.registers import declare_register
+from yarclang.semantics.declared.registers import declare_register, is_name_of_block
 from yarclang.semantics.declared.signals import declare_signal
 from yarclang.semantics.declared.tables import declare_table
 from yarclang.semantics.declared.variables import Signals
@@ -96,15 +96,22 @@ class Declaring:
         spec, span = word_specs()[word], statement.span(statement.name.place)
         if spec.once and word in file.seen:
             findings.add(
-                "Y0206", f"{word} stands in line {file.seen[word]} already", span, "leave one of them"
+                "Y0206",
+                f"{word} is given twice: already in line {file.seen[word]}",
+                span,
+                "remove one of them",
             )
             return
         if spec.at_the_top and file.command_seen:
-            findings.add("Y0208", f"{word} stands after a command", span, "move it above the first command")
+            findings.add(
+                "Y0208", f"{word} must come before the first command", span, "move it above the first command"
+            )
             return
         file.seen.setdefault(word, statement.line)
         if not file.is_program and spec.of_programs:
-            findings.add("Y0208", f"{word} belongs into the program, not into a module", span, "take it away")
+            findings.add(
+                "Y0208", f"{word} is allowed only in the program, not in a module", span, "remove it"
+            )
             return
         match word:
             case "ROBOT":
@@ -128,19 +135,25 @@ class Declaring:
             case "INPUT" | "OUTPUT":
                 self.outputs += declare_signal(statement, scope, self._robot, self._signals, findings)
             case "REGISTER" | "ON" if not self._context.index_needed:
-                message = f"{word} belongs into a program: each line that is typed is carried out by itself"
-                findings.add("Y0208", message, span, "write a file, and run it")
+                message = f"{word} works only in a file: each typed line is carried out by itself"
+                findings.add("Y0208", message, span, "write the lines into a file, and run the file")
             case "REGISTER":
                 register = declare_register(statement, scope, self._robot, findings)
-                if register is not None:
+                is_taken = register is not None and any(one.name == register.name for one in self.registers)
+                if register is not None and is_taken and is_name_of_block(register.name):
+                    # an UNTIL, REPEAT, OFFSET or RETURN in a line above has chosen this name
+                    message = f"a block above already uses the name {register.name} for a register of its own"
+                    help_ = "choose another name, or move this line to the top of the program"
+                    findings.add("Y0206", message, statement.whole_span, help_)
+                elif register is not None:
                     self.registers.append(register)
             case "ON":
                 watch = declare_watch(statement, scope, self.watches, findings)
                 if watch is not None:
                     self.watches.append(watch)
             case "OF":
-                help_ = "write the CASE in front of it, or the END that is missing above it"
-                findings.add("Y0432", "this OF belongs to no CASE", span, help_)
+                help_ = "add the missing CASE before it, or the missing END above it"
+                findings.add("Y0432", "this OF is not in a CASE", span, help_)
                 self._steps.append(Gap())
             case "USE":
                 self._use(statement, file, scope)
@@ -151,7 +164,7 @@ class Declaring:
         """Declare a SUB; its body is carried out at each CALL."""
         values = values_of(block.head)
         if not values or not isinstance(word := values[0], Word | Parameter):
-            message = "SUB needs a name, and its parameters"
+            message = "SUB needs a name, and parameters if it has any"
             file.findings.add(
                 "Y0401", message, block.head.whole_span, "for example SUB DRILL {AT} DEPTH (mm)"
             )
@@ -176,22 +189,22 @@ class Declaring:
             self.declare(node, file, file.scope)
         else:
             head = node.head if isinstance(node, Block) else node
-            message = "a module has commands only in its SUBs"
-            file.findings.add("Y0208", message, head.head_span, "put it into a SUB")
+            message = "this line is outside of a SUB: a module may have commands only in SUBs"
+            file.findings.add("Y0208", message, head.head_span, "move this line into a SUB")
             self._steps.append(Gap())
 
     def _use(self, statement: Statement, file: File, scope: Scope) -> None:
         values = values_of(statement)
         if len(values) != 1 or not isinstance(word := values[0], Word):
             file.findings.add(
-                "Y0401", "USE wants the name of a module", statement.whole_span, "for example USE PALLET"
+                "Y0401", "USE needs the name of a module", statement.whole_span, "for example USE PALLET"
             )
             return
         span = statement.span(word.place)
         if word.name in self._loading:
             chain = " > ".join((*self._loading[self._loading.index(word.name) :], word.name))
             file.findings.add(
-                "Y0213", f"the modules use each other in a circle: {chain}", span, "take one USE away"
+                "Y0213", f"the modules use each other in a circle: {chain}", span, "remove one USE"
             )
             self._steps.append(Gap())
             return
@@ -207,7 +220,12 @@ class Declaring:
         load = self._context.load
         loaded = load(word.name) if load is not None else None
         if loaded is None:
-            file.findings.add("Y0213", f"no module is named {word.name}", span, "modules can't be read here")
+            file.findings.add(
+                "Y0213",
+                f"no module is named {word.name}",
+                span,
+                "a module can't be read here: this text is not a file",
+            )
             return None
         module = loaded.value
         if module is None:

@@ -48,12 +48,12 @@ def declare_function(statement: Statement, scope: Scope, robot: Robot, findings:
         weight, depth = _size(body, scope)
     except EvaluationError as error:
         findings.add_error(error, statement.span(error.place))
-        # Declare the name in spite of the error, so that its uses cause no further errors.
+        # The error is reported, but the name is declared below, so that its uses cause no further errors.
         body = Number("1", 1.0, body.place)
     if weight > HEAVIEST or depth > DEEPEST_EXPRESSION:
-        most = f"{HEAVIEST:,} operations" if weight > HEAVIEST else f"{DEEPEST_EXPRESSION} inside each other"
-        message = f"with the functions in it {word.text} comes to more than {most}"
-        findings.add("Y0112", message, statement.whole_span, "compute parts of it once, with LET")
+        most = f"{HEAVIEST:,} operations" if weight > HEAVIEST else f"{DEEPEST_EXPRESSION} nested operations"
+        message = f"{word.text} and the functions in it have more than {most}"
+        findings.add("Y0112", message, statement.whole_span, "compute parts of it with LET")
         body, weight, depth = Number("1", 1.0, body.place), 1, 1
     meaning = tuple(taken), print_expression(body), used
     where = Where(findings.source, statement.span(word.place))
@@ -70,8 +70,8 @@ def _used(expression: Expression, scope: Scope, own: frozenset[str]) -> Iterator
         own: names of the function's own parameters, which are left out.
 
     Raises:
-        EvaluationError: a name isn't that of a number or function, or a function takes another number of
-            arguments.
+        EvaluationError: a name doesn't stand for a number or function, or a function is used with a wrong
+            number of arguments.
     """
     match expression:
         case Name(name=name):

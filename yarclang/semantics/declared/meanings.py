@@ -81,16 +81,18 @@ def may_be_declared(
         findings.add("Y0211", f"{word.text} is a word of the language", span, "choose another name")
         return False
     if "." in name:
-        findings.add("Y0211", f"{word.text}: a name has no point in it", span, "choose another name")
+        findings.add(
+            "Y0211", f"{word.text}: a declared name can't contain a point", span, "choose another name"
+        )
         return False
     found = scope.name(name)
     of_robot = isinstance(found, JointPosition) and found.q is robot.positions.get(name)
     if found is not None and not of_robot:
         message = declared_already(name, scope.where(name), findings.source)
-        findings.add("Y0206", message, span, "choose another name")
+        findings.add("Y0206", message, span, _another_name(word.text, scope.where(name)))
         return False
     if of_robot and not may_hide:
-        message = f"{name} is a joint position of {robot.name}, and means something else from here on"
+        message = f"{name} is a joint position of {robot.name}, which this line hides under the same name"
         findings.add("Y0214", message, span, "choose another name")
     return True
 
@@ -106,6 +108,17 @@ def declared_already(name: str, where: Where | None, source: SourceFile) -> str:
     return f"{name} is declared already" + (f", in {where.seen_from(source)}" if where else "")
 
 
+def _another_name(text: str, where: Where | None) -> str:
+    """Return the remedy for a name that is declared already.
+
+    Args:
+        text: the name as written now.
+        where: place of the previous declaration; None if the name comes from the robot.
+    """
+    is_respelled = where is not None and text.strip("{} ") not in where.source.line(where.span.line)
+    return "choose another name" + (": upper and lower case don't make names differ" if is_respelled else "")
+
+
 def frame_may_be_declared(statement: Statement, frame: FrameName, scope: Scope, findings: Collector) -> bool:
     """Return True if a frame's name can be declared here; otherwise add a finding."""
     name, span = frame.name, statement.span(frame.place)
@@ -114,10 +127,10 @@ def frame_may_be_declared(statement: Statement, frame: FrameName, scope: Scope, 
         findings.add("Y0211", message, span, "choose another name")
     elif scope.frame(name) is not None:
         message = declared_already(f"{{{name}}}", scope.where_frame(name), findings.source)
-        findings.add("Y0206", message, span, "choose another name")
+        findings.add("Y0206", message, span, _another_name(frame.text, scope.where_frame(name)))
     elif re.fullmatch(r"[A-Z_][A-Z0-9_]*", name) is None:
         help_ = "names have letters, digits and _"
-        findings.add("Y0211", f"{frame.text} is no name of a frame", span, help_)
+        findings.add("Y0211", f"{frame.text} is no valid name of a frame", span, help_)
     else:
         return True
     return False
@@ -132,7 +145,7 @@ def declare_frame(
     if statement.moving is None:
         findings.add(
             "Y0302",
-            f"{statement.name.name} doesn't say which frame it declares",
+            f"{statement.name.name} needs the frame that it declares",
             statement.head_span,
             example,
             subject=LeftOut("the frame that it declares"),
@@ -146,7 +159,7 @@ def declare_frame(
         statement, values, tuple(values_of(statement)), scope, defaults, robot, findings
     )
     base = base_of_line(statement, scope, defaults, findings)
-    # Declare the name in spite of errors, so that its uses cause no further errors.
+    # The name is declared below even if there are errors, so that its uses cause no further errors.
     transform, on_flange, link = np.eye(4), False, None
     if base is not None:
         on_flange = base.on_flange
@@ -163,13 +176,13 @@ def declare_frame(
 def base_of_line(
     statement: Statement, scope: Scope, defaults: Defaults, findings: Collector, *, may_move: bool = True
 ) -> Frame | None:
-    """Return the frame in which the values of a declaration are given: the frame in the line, or else that of
-    DEFAULT.
+    """Return the frame in which the values of a declaration are given: the frame in the line, or else the
+    frame in DEFAULT.
 
     Args:
         statement: the declaration.
         scope: the names in scope at this line.
-        defaults: what the DEFAULT line of its file gives.
+        defaults: the values of the DEFAULT line of its file.
         findings: receives the finding.
         may_move: True if a frame on the flange is allowed.
 
@@ -183,7 +196,7 @@ def base_of_line(
     word = statement.name.name
     help_ = "write it after the units, as {B}" + (", or {FLANGE} for a tool" if may_move else "")
     message, subject = (
-        f"{'FRAME' if may_move else word} doesn't say in which frame it is given",
+        f"{'FRAME' if may_move else word} needs a base frame",
         LeftOut("the frame in which it is given"),
     )
     findings.add("Y0302", message, statement.head_span, help_, subject=subject)
@@ -198,7 +211,7 @@ def declare_joints(
     values = values_of(statement)
     if not values or not isinstance(word := values[0], Word):
         help_ = "for example JOINTS PARK 0 0 0 0 0 0 (deg)"
-        findings.add("Y0401", "JOINTS wants a name and joint values", statement.whole_span, help_)
+        findings.add("Y0401", "JOINTS needs a name and joint values", statement.whole_span, help_)
         return
     if not may_be_declared(statement, word, scope, robot, findings, may_hide=True):
         return
@@ -217,14 +230,14 @@ def declare_pose(
     values = values_of(statement)
     if not values or not isinstance(word := values[0], Word):
         help_ = "for example POSE PICK 120 40 0 0 0 90 (mm,deg) {TABLE}"
-        message = "POSE wants a name and x y z roll pitch yaw"
+        message = "POSE needs a name and x y z roll pitch yaw"
         findings.add("Y0401", message, statement.whole_span, help_)
         return
     if not may_be_declared(statement, word, scope, robot, findings, of_pose=True):
         return
     numbers = numbers_of_line(statement, Values.POSE_RPY, tuple(values[1:]), scope, defaults, robot, findings)
     base = base_of_line(statement, scope, defaults, findings, may_move=False)
-    # Declare the name in spite of errors, so that its uses cause no further errors.
+    # The name is declared even if the pose has errors, so that its uses cause no further errors.
     pose = pose_of(statement, numbers, base, findings)
     scope.declare(word.name, pose, Where(findings.source, statement.span(word.place)))
 
@@ -292,7 +305,7 @@ def numbers_of_line(
         values: the kind of values that the declaration needs.
         given: the values in the text.
         scope: the names in scope at this line.
-        defaults: what the DEFAULT line of its file gives.
+        defaults: the values of the DEFAULT line of its file.
         robot: the robot.
         findings: receives the finding.
     """
@@ -309,13 +322,13 @@ def numbers_of_line(
     if len(given) != len(labels):
         verb = "is" if len(given) == 1 else "are"
         message = (
-            f"{statement.name.name} wants {len(labels)} values ({' '.join(labels)}), {len(given)} {verb} "
+            f"{statement.name.name} takes {len(labels)} values ({' '.join(labels)}), {len(given)} {verb} "
             "given"
         )
         missing = labels[len(given) :]
         help_ = f"write {' '.join(missing)} after them" if given else "write one for each after the name"
         if not missing:
-            help_ = f"take the last {len(given) - len(labels)} away"
+            help_ = f"remove the last {len(given) - len(labels)}"
         where = from_to(given[0].place, given[-1].place) if given else None
         findings.add("Y0401", message, statement.span(where) if where else statement.whole_span, help_)
         return None
@@ -339,5 +352,5 @@ def _in_si(found: Amount, kind: Kind | None, units: Mapping[Kind, Unit]) -> floa
     if unit is None:
         raise missing_unit(kind, f"the {kind}s")
     if found.unit is not None and found.unit.kind != kind:
-        raise AmountError("Y0307", f"{found} is of the wrong kind: a unit of {kind} is wanted here")
+        raise AmountError("Y0307", f"{found} is of the wrong kind: this value needs a unit of {kind}")
     return found.in_unit(unit) * unit.factor

@@ -13,6 +13,21 @@ from yarclang.semantics.names.scope import Scope, Where
 from yarclang.semantics.parts import NOT_FOR_BLOCKS, refuse_parts
 from yarclang.syntax.ast import Number, Other, Statement, Word
 
+SEARCHES = "SEARCH_"
+"""Prefix of the names of registers that become 1 when a search has found its input."""
+
+OFFSETS = "OFFSET_"
+"""Prefix of the names of registers that are 1 if the lines of an OFFSET can be carried out."""
+
+COUNTER = "REPEAT_"
+"""Prefix of the names of registers that count the passes of a REPEAT."""
+
+RETURNS = "RETURN_"
+"""Prefix of the names of registers that are 1 after a loop if a RETURN in this loop leaves the SUB around
+it.
+"""
+
+_OF_BLOCKS = re.compile(rf"({SEARCHES}|{OFFSETS}|{COUNTER}|{RETURNS})[0-9]+")
 _RANGE = re.compile(r"([+-]?[0-9]{1,12})\.\.([+-]?[0-9]{1,12})")
 _KEPT, _OUTSIDE = "KEPT", "OUTSIDE"
 _EXAMPLE = "for example REGISTER COUNT 0..17"
@@ -35,25 +50,22 @@ def declare_register(
     given = given[:-1] if behind else given
     other = given[-1] if behind and len(given) > 2 else None
     if isinstance(other, Word) and other.name in (_KEPT, _OUTSIDE):
-        message = (
-            "a register is KEPT or gets values from OUTSIDE, and not both: a value from outside is for one "
-            "wait"
-        )
-        findings.add("Y0431", message, statement.span(other.place), "leave one of the two words out")
+        message = "a register can't be both KEPT and OUTSIDE: a value from outside is valid for one wait only"
+        findings.add("Y0431", message, statement.span(other.place), "remove one of the two words")
         return None
     word, values = (given[0] if given else None), given[1:]
     bounds = range_of(values[0]) if values else None
     if not isinstance(word, Word) or bounds is None or len(values) > 2:
         message = (
-            "REGISTER wants a name, a range, the value that it begins with if that isn't the lowest, and "
-            "KEPT if it is kept from run to run or OUTSIDE if other programs fill it"
+            "REGISTER needs a name and a range; a first value, and KEPT (kept from run to run) or OUTSIDE "
+            "(filled by other programs), may follow"
         )
         findings.add("Y0431", message, statement.whole_span, _EXAMPLE)
         return None
     low, high = bounds
     span = statement.span(values[0].place)
     if not -LARGEST <= low < high <= LARGEST:
-        message = f"{low}..{high} is no range: the lower bound comes first, and none is beyond {LARGEST:,}"
+        message = f"{low}..{high} is no range: write the lower bound first, and no bound beyond {LARGEST:,}"
         findings.add("Y0431", message, span, _EXAMPLE)
         return None
     if len(word.name) > LONGEST_NAME:
@@ -75,6 +87,11 @@ def declare_register(
     return register
 
 
+def is_name_of_block(name: str) -> bool:
+    """Return True if a block may have chosen this name for a register of its own."""
+    return _OF_BLOCKS.fullmatch(name) is not None
+
+
 def range_of(value: object) -> tuple[int, int] | None:
     """Return the bounds of a range such as `0..17`; None for any other value."""
     found = _RANGE.fullmatch(value.text) if isinstance(value, Other) else None
@@ -82,8 +99,8 @@ def range_of(value: object) -> tuple[int, int] | None:
 
 
 def integer_of(value: object) -> int | None:
-    """Return a value as an integer; None if it is none, or is outside of a register's largest possible
-    range.
+    """Return a value as an integer. Return None if it isn't an integer, or is outside of the largest range
+    that a register can have.
     """
     if not isinstance(value, Number) or not value.value.is_integer() or abs(value.value) > LARGEST:
         return None

@@ -44,7 +44,7 @@ def declare_signal(
     words = values[:2]
     if not 2 <= len(values) <= most or not all(isinstance(value, Word) for value in words):
         example = "INPUT DOOR M11" if kind == "INPUT" else "OUTPUT GLUE M1 OFF"
-        message = f"{kind} wants a name and the controller's variable"
+        message = f"{kind} needs a name and a variable of the controller"
         findings.add("Y0401", message, statement.whole_span, f"for example {example}")
         return ()
     word, variable = words
@@ -58,8 +58,10 @@ def declare_signal(
     signal = Signal(word.name, group_of(found))
     where = Where(findings.source, statement.span(word.place))
     if step is not None and not is_group(signal.variable):
-        message = f"{word.text} is a single bit, and has no steps"
-        findings.add("Y0470", message, statement.span(variable.place), "name a group of bits, as M80..M91")
+        message = f"{word.text} is a single bit, and STEP needs a group of bits"
+        findings.add(
+            "Y0470", message, statement.span(variable.place), "write a group of bits, such as M80..M91"
+        )
         step = None
     if kind == "INPUT":
         scope.declare(word.name, Input(signal, step), where)
@@ -74,7 +76,9 @@ def declare_signal(
             findings.add_error(error, statement.span(values[2].place))
             safe = None
     if safe is not None and (fault := group_fault(signal, safe)):
-        findings.add("Y0470", fault, statement.span(values[2].place), "check the number, or the bits")
+        findings.add(
+            "Y0470", fault, statement.span(values[2].place), "correct the number, or declare more bits"
+        )
         safe = None
     scope.declare(word.name, Output(signal, safe, step), where)
     outputs = tuple(
@@ -102,7 +106,7 @@ def _step(
     rest = [*values[:place], *values[place + 2 :]]
     number = state_value(values[place + 1], scope, statement, findings) if place + 1 < len(values) else None
     if number is None or number <= 0.0:
-        message = "STEP wants how much one step is, above 0"
+        message = "STEP needs the size of one step, above 0"
         findings.add(
             "Y0472",
             message,
@@ -114,8 +118,8 @@ def _step(
 
 
 def group_fault(signal: Signal, number: float) -> str:
-    """Return the message that a group of bits can't hold a number; empty if it can, and for a single
-    signal.
+    """Return the message that a group of bits can't hold a number. Return an empty text if it can, or if the
+    signal isn't a group.
     """
     if not is_group(signal.variable):
         return ""
@@ -123,7 +127,7 @@ def group_fault(signal: Signal, number: float) -> str:
     if number.is_integer() and 0 <= number <= largest:
         return ""
     return (
-        f"{signal.name} has {len(signal.bits)} bits: it is an integer from 0 to {largest}, and never "
+        f"{signal.name} has {len(signal.bits)} bits: it is an integer from 0 to {largest}, and can't be "
         f"{number:.15g}"
     )
 
@@ -139,8 +143,8 @@ def _variables(word: Word, statement: Statement, robot: Robot, findings: Collect
         first, last = (int(group[2]), int(group[4])) if group is not None else (0, 0)
         if group is None or group[1] != group[3] or not first < last < first + MOST_BITS:
             message = (
-                f"{word.text} is no group: it has 2 to {MOST_BITS} variables of one letter, the lowest bit "
-                "first"
+                f"{word.text} is no group of bits: a group has 2 to {MOST_BITS} variables of one letter, "
+                "the lowest first"
             )
             findings.add("Y0470", message, span, "for example INPUT JOB M70..M77")
             return ()
@@ -157,8 +161,8 @@ def _variables(word: Word, statement: Statement, robot: Robot, findings: Collect
 
 
 def state_value(value: Value, scope: Scope, statement: Statement, findings: Collector) -> float | None:
-    """Return the number for the state of a signal, which is written as ON, OFF or a number; None with a
-    finding for any other value.
+    """Return the state of a signal as a number. The program writes the state as ON, OFF or a number; for any
+    other value, return None with a finding.
     """
     if isinstance(value, Word) and value.name in ("ON", "OFF"):
         return float(value.name == "ON")
@@ -175,7 +179,7 @@ def state_value(value: Value, scope: Scope, statement: Statement, findings: Coll
         findings.add_error(error, span)
         return None
     if not is_printed(number):
-        message = f"{number:.15g} has more than {DECIMALS} decimals, and a text has no more"
+        message = f"{number:.15g} has more than {DECIMALS} decimals, more than the controller's text can have"
         findings.add("Y0434", message, span, f"round it: {round(number, DECIMALS):.15g}")
         return None
     return number

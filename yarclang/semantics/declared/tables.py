@@ -38,13 +38,13 @@ def declare_table(
         return
     refuse_parts(statement, ("a moving frame", "a motion time", "a base frame", "options"), findings)
     if not isinstance(word, Word) or len(rows[0]) == 1:
-        help_ = "for example TABLE HEIGHTS 10 20 30 (mm)"
-        findings.add("Y0401", "TABLE wants a name and numbers", statement.whole_span, help_)
+        help_ = "write all numbers in this line, for example TABLE HEIGHTS 10 20 30 (mm)"
+        findings.add("Y0401", "TABLE needs a name and numbers", statement.whole_span, help_)
         return
     if not may_be_declared(statement, word, scope, robot, findings):
         return
     rows[0] = rows[0][1:]
-    # Declare the name in spite of errors, so that its uses cause no further errors.
+    # The name is declared even if the numbers have errors, so that its uses cause no further errors.
     numbers = _rows_of(statement, rows, scope, findings)
     scope.declare(word.name, Table(numbers), Where(findings.source, statement.span(word.place)))
 
@@ -72,7 +72,7 @@ def _declare_places(
     base = None if of_joints else base_of_line(statement, scope, defaults, findings, may_move=False)
     rows = [waypoint.values for waypoint in statement.waypoints]
     rows[0] = rows[0][2:]
-    # Declare the name in spite of errors, so that its uses cause no further errors.
+    # The name is declared below even if there are errors, so that its uses cause no further errors.
     positions, poses = [], []
     for row in rows:
         numbers = numbers_of_line(statement, values, tuple(row), scope, defaults, robot, findings)
@@ -93,7 +93,7 @@ def _rows_of(
     units = list((resolve_units(statement, statement.units, findings) or {}).values())
     if len(units) > 1 and statement.units is not None:
         message = f"a table has one unit, {' and '.join(unit.name for unit in units)} are given"
-        findings.add("Y0306", message, statement.span(statement.units.place), "make two tables of it")
+        findings.add("Y0306", message, statement.span(statement.units.place), "write two tables")
     unit = units[0] if len(units) == 1 else None
     width = len(rows[0])
     for number, row in enumerate(rows):
@@ -102,7 +102,12 @@ def _rows_of(
                 f"row {number} of the table has {len(row)} value{'s' * (len(row) > 1)}, row 0 has {width}"
             )
             span = statement.span(from_to(row[0].place, row[-1].place))
-            findings.add("Y0458", message, span, "give all rows as many; a semicolon begins a new row")
+            findings.add(
+                "Y0458",
+                message,
+                span,
+                "give all rows the same number of values; a semicolon begins a new row",
+            )
             return ((Amount(1.0, unit),) * width,) * len(rows)
     return tuple(
         tuple(_table_value(value, unit, scope, statement, findings) for value in row) for row in rows

@@ -25,7 +25,7 @@ class _Declared:
 
 @dataclass(slots=True)
 class Signals:
-    """The signal that each of the controller's variables was first declared as."""
+    """The signals of a program, its modules and its cell: for each variable, its first declaration."""
 
     _first: dict[str, _Declared] = field(default_factory=dict)
 
@@ -35,7 +35,7 @@ class Signals:
         Args:
             kind: input or output.
             signal: the signal's name and variable.
-            safe: value of an output in the safe state; None without one.
+            safe: the safe value of an output; None without one.
             where: place of the declaration.
         """
         new = _Declared(kind, signal.name, safe, where)
@@ -48,16 +48,18 @@ class Signals:
                 f"{signal.variable} is the {first.kind} {first.name} in {line} already, and can't be an "
                 f"{kind} too"
             )
-            return (Diagnostic("Y0416", message, where.source, where.span, "check the variables of both"),)
+            return (
+                Diagnostic("Y0416", message, where.source, where.span, "correct one of the two variables"),
+            )
         if first.name == signal.name and first.safe == safe:
             return ()  # a program and its module may both declare a signal
         if first.name == signal.name:
             message = (
-                f"{signal.name} has another safe value in {line}: {_shown(first.safe)}, here {_shown(safe)}"
+                f"{signal.name} has two safe values: {_shown(first.safe)} in {line}, and {_shown(safe)} here"
             )
         else:
             message = f"{signal.variable} has two names: {first.name} in {line}, and {signal.name}"
-        return (Diagnostic("Y0415", message, where.source, where.span, "use one of them in all places"),)
+        return (Diagnostic("Y0415", message, where.source, where.span, "use the same name everywhere"),)
 
 
 def _shown(safe: float | None) -> str:

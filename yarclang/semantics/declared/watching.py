@@ -19,10 +19,10 @@ from yarclang.words.registry import word_specs
 
 REACTIONS = MappingProxyType(
     {
-        "HOLD": "the motion is held on its path, and a person says when it goes on",
+        "HOLD": "the motion is held on its path until a person resumes it",
         "CALL": (
-            "the motion is held on its path; when a person says so, the robot goes back to where the "
-            "motion began, and leaves on the way of a SUB"
+            "the motion is held on its path; after a person confirms, the robot returns to the start of "
+            "the motion and carries out a SUB"
         ),
     }
 )
@@ -48,9 +48,9 @@ def declare_watch(
     spec, values = word_specs()["ON"], values_of(statement)
     reaction, *named = [one.name if isinstance(one, Word) else "" for one in values[2:]] or [""]
     if reaction not in REACTIONS or len(named) != (reaction == "CALL") or not all(named):
-        message, help_ = f"ON wants {spec.wants}", f"for example {spec.example}, or ON CURTAIN OFF CALL AWAY"
+        message, help_ = f"ON needs {spec.wants}", f"for example {spec.example}, or ON CURTAIN OFF CALL AWAY"
         if reaction == "CALL" and named:
-            help_ = "the SUB takes no values: write them in the SUB"
+            help_ = "the SUB of an ON has no parameters: write the values in the SUB"
         findings.add("Y0401", message, statement.whole_span, help_)
         return None
     signal = input_named(values[0], scope, statement, findings)
@@ -59,26 +59,25 @@ def declare_watch(
         return None
     span = statement.span(values[0].place)
     if is_group(signal.variable):
-        message = f"{signal.name} is a group of {len(signal.bits)} bits, and ON watches a single one"
-        findings.add("Y0471", message, span, "declare the bit by a name of its own")
+        message = f"{signal.name} is a group of {len(signal.bits)} bits, and ON watches a single bit"
+        findings.add("Y0471", message, span, "declare this bit under a name of its own")
         return None
     watch = Watch(signal.variable, round(value, DECIMALS) + 0.0, signal.name, *named)
     if any((one.variable, one.value) == (watch.variable, watch.value) for one in watches):
-        message = f"{signal.name} is watched for this state already"
-        findings.add("Y0206", message, span, "leave one of both lines")
+        message = f"{signal.name} is already watched for this state"
+        findings.add("Y0206", message, span, "remove one of the two lines")
         return None
     if len(watches) == MOST_WATCHES:
         message = f"a program watches {MOST_WATCHES} inputs at most"
-        findings.add(
-            "Y0401", message, span, "let the controller or the cell join some of them into one input"
-        )
+        findings.add("Y0401", message, span, "combine several of them into one input of the controller")
         return None
     return watch
 
 
 def check_way_out(steps: Sequence[Step], name: str, span: Span, findings: Collector) -> bool:
-    """Check the SUB by which the robot withdraws after an ON has stopped it. It may have only motions without
-    UNTIL, SETs of outputs and DWELLs, so that it can be planned as a whole from the robot's position.
+    """Check the SUB by which the robot withdraws after an ON has stopped it. Only SETs of outputs, DWELLs,
+    and motions without UNTIL are allowed in it, so that it can be planned as a whole from the robot's
+    position.
 
     Args:
         steps: the steps of the SUB that the ON calls.
@@ -91,20 +90,18 @@ def check_way_out(steps: Sequence[Step], name: str, span: Span, findings: Collec
     """
     for step in steps:
         if isinstance(step, Gap):
-            return False  # it was said what is wrong with it
+            return False  # its error was already reported
         is_search = isinstance(step, JointMove | LineMove) and step.search is not None
         if is_search or not isinstance(step, Motion | SetOutput | Dwell):
             what = f"{step.origin.label} " if step.origin.label else ""
             what += "UNTIL" if is_search else step.origin.name
             message = (
-                f"on the way of {name} stands {what}, and it has only motions, SET of outputs, and DWELL"
+                f"{name} has {what}: the SUB of an ON may have only motions, SET of outputs and WAIT [t]"
             )
-            findings.add(
-                "Y0478", message, span, "what waits or decides stands in the program that is run next"
-            )
+            findings.add("Y0478", message, span, "move this line into the program that is run next")
             return False
     if not any(isinstance(step, Motion) for step in steps):
-        message = f"{name} leads nowhere: it has no motion"
-        findings.add("Y0478", message, span, "write HOLD instead of CALL, or a motion into the SUB")
+        message = f"{name} has no motion: the robot can't leave by this SUB"
+        findings.add("Y0478", message, span, "add a motion to the SUB, or write HOLD instead of CALL")
         return False
     return True

@@ -19,8 +19,8 @@ from yarclang.syntax.ast import Module, Statement, Text, Word
 
 
 def declared_robot(module: Module) -> tuple[str, Span] | None:
-    """Return the robot that a ROBOT line names (a name or a path), and the place of this name. It is read
-    before everything else, since all checks need the robot.
+    """Return the robot that a ROBOT line names (a name or a path), and the place of this name. The line
+    is read before everything else, since all checks need the robot.
     """
     for statement in module.statements:
         if statement.index is None and statement.name.name == "ROBOT" and len(statement.waypoints) == 1:
@@ -37,12 +37,12 @@ def check_robot(statement: Statement, findings: Collector) -> None:
     if len(values) != 1 or not isinstance(values[0], Word | Text):
         help_ = 'write ROBOT INDUSTRIAL6, or ROBOT "path/to/robot.toml"'
         findings.add(
-            "Y0401", "ROBOT takes the robot's name, or a path in quotes", statement.whole_span, help_
+            "Y0401", "ROBOT needs the robot's name, or a path in quotes", statement.whole_span, help_
         )
 
 
 def read_default(statement: Statement, scope: Scope, findings: Collector) -> Defaults:
-    """Read what a DEFAULT line gives to other lines."""
+    """Read the values of a DEFAULT line, which apply to lines that lack them."""
     refuse_parts(statement, ("values", "options"), findings)
     units = resolve_units(statement, statement.units, findings)
     if statement.moving is not None:
@@ -65,7 +65,7 @@ def read_start(
         statement: the line. It has joint values with units, or the name of a joint position.
         robot: the robot.
         scope: the names in scope at this line.
-        defaults: what the DEFAULT line of its file gives.
+        defaults: the values of the DEFAULT line of its file.
         findings: receives the findings.
     """
     refuse_parts(statement, ("a moving frame", "a motion time", "a base frame", "options"), findings)

@@ -1,4 +1,4 @@
-"""Read ALLOW: the bodies that may touch during a motion. Check that there are such bodies."""
+"""Read ALLOW: the bodies that may touch during a motion. Check that these bodies exist."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def allowed_by(line: Line) -> tuple[Allowed, ...]:
     """Read the options of a motion that allow two bodies to touch, such as ALLOW GRIPPER BOX; report options
     that don't name two bodies.
 
-    Whether the bodies exist is checked later, when the cell is known (`check_allowed`).
+    `check_allowed` checks later, when the cell is known, that the bodies exist.
     """
     found: dict[Allowed, Allowed] = {}
     for option in line.statement.options:
@@ -27,8 +27,8 @@ def allowed_by(line: Line) -> tuple[Allowed, ...]:
             continue
         one = _allowed(line, option)
         if one is not None and one in found:
-            message = f"ALLOW {one.first} {one.second} stands twice"
-            line.findings.add("Y0412", message, _span(line, option), "leave one of them")
+            message = f"ALLOW {one.first} {one.second} is given twice"
+            line.findings.add("Y0412", message, _span(line, option), "remove one of them")
         elif one is not None:
             found[one] = one
     return tuple(found)
@@ -36,12 +36,12 @@ def allowed_by(line: Line) -> tuple[Allowed, ...]:
 
 def _allowed(line: Line, option: Option) -> Allowed | None:
     if not isinstance(option.argument, Word) or option.state is None:
-        help_ = "for example ALLOW GRIPPER BOX; bodies are links, tools, obstacles and parts"
-        line.findings.add("Y0412", "ALLOW takes the names of two bodies", _span(line, option), help_)
+        help_ = "name two links, tools, obstacles or parts, for example ALLOW GRIPPER BOX"
+        line.findings.add("Y0412", "ALLOW needs the names of two bodies", _span(line, option), help_)
         return None
     first, second = sorted((option.argument.name, option.state.name))
     word, end = option.word.place, option.state.place
-    # If the names are on a later line than the word ALLOW, the place is that of the last name.
+    # If the names are on a later line than the word ALLOW, use the place of the last name.
     begin = word if word.row == end.row else end
     return Allowed(first, second, end.row, begin.start, end.end)
 
@@ -83,10 +83,10 @@ def check_allowed(steps: Sequence[Step], robot: Robot, cell: Cell | None, findin
             for name in missing:
                 subject = unknown(name, names)
                 listed = ", ".join(sorted(names)[:20]) + ", ..." * (len(names) > 20)
-                help_ = f"the bodies are {listed}" if names else "neither the robot nor a cell has bodies"
+                help_ = f"the bodies are {listed}" if names else "neither the robot nor the cell has bodies"
                 help_ = f"{subject.question} {help_}" if subject.question else help_
                 place.add("Y0217", f"no body is named {name}", span, help_, subject=subject)
             fault = "" if missing else pair_fault((one.first, one.second), names, repeated)
             if fault:
-                place.add("Y0412", fault, span, "name two bodies, each by a name of its own")
+                place.add("Y0412", fault, span, "give each body a name of its own")
             findings.found += place.found

@@ -1,4 +1,4 @@
-"""Convert the way-points of a motion command to goals: joint positions, poses and increments."""
+"""Convert the waypoints of a motion command to goals: joint positions, poses and increments."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from yarclang.transforms import constant
 
 
 def goals_of(line: Line, frames: tuple[Frame, Frame] | None) -> tuple[object, ...]:
-    """Return the goals of all way-points of a command; way-points with findings may be left out.
+    """Return the goals of all waypoints of a command; waypoints with findings may be left out.
 
     Args:
         line: the command.
@@ -36,10 +36,10 @@ def goals_of(line: Line, frames: tuple[Frame, Frame] | None) -> tuple[object, ..
     if given < least or (most is not None and given > most):
         if given == 0:
             labels = line.values.labels(line.robot.joint_names)
-            message = f"{name.spec.name} wants {len(labels)} values ({' '.join(labels)}), 0 are given"
+            message = f"{name.spec.name} takes {len(labels)} values ({' '.join(labels)}), none is given"
             line.findings.add("Y0401", message, statement.head_span, _example(name))
             return ()
-        wanted = "one way-point" if most == 1 else f"{least} or more way-points"
+        wanted = "one waypoint" if most == 1 else f"{least} or more waypoints"
         place = statement.waypoints[min(given, most or given) - 1 if given < least else least].place
         message = f"{name.spec.name} takes {wanted}, {given} {'is' if given == 1 else 'are'} given"
         line.findings.add("Y0405", message, statement.span(place), _example(name))
@@ -71,14 +71,11 @@ def _near(line: Line) -> Array | None:
         span = line.statement.span((option.argument or option.word).place)
         of_joints = line.values.of_joints and not named_poses(line)
         if of_joints or line.name.spec.targets.get("") is not Values.JOINTS:
-            message = (
-                "NEAR chooses among joint positions of a pose: only MOVEJ and its kin with _RPY or _QUAT "
-                "take it"
-            )
-            line.findings.add("Y0412", message, span, "take it away")
+            message = "NEAR is allowed only with a pose as target: MOVEJ_RPY, MOVEJ_QUAT and their profiles"
+            line.findings.add("Y0412", message, span, "remove it")
         elif not isinstance(word := option.argument, Word):
             line.findings.add(
-                "Y0412", "NEAR takes the name of a joint position", span, "for example NEAR HOME"
+                "Y0412", "NEAR needs the name of a joint position", span, "for example NEAR HOME"
             )
         else:
             found = _joint_position(line, word)
@@ -89,15 +86,15 @@ def _near(line: Line) -> Array | None:
 def _named_goal(
     line: Line, waypoint: WayPoint, values: Values, frames: tuple[Frame, Frame] | None
 ) -> object | None:
-    """Return the goal of a way-point that is a name or an element of a table; None for any other way-point.
+    """Return the goal of a waypoint that is a name or an element of a table; None for any other waypoint.
 
-    Every command that accepts joint targets also accepts names of joint positions, even if its own target is
-    written in another form.
+    A command such as MOVEJ_RPY, whose values are poses, also accepts names of joint positions, because MOVEJ
+    accepts joint values.
 
     Args:
         line: the command.
-        waypoint: the way-point.
-        values: the kind of the way-point's values.
+        waypoint: the waypoint.
+        values: the kind of the waypoint's values.
         frames: the moving frame, and the frame of the values.
     """
     if (word := _one_word(waypoint)) is None and (place := _of_table(waypoint, line)) is None:
@@ -106,7 +103,7 @@ def _named_goal(
     if isinstance(found, Pose) and not values.is_delta and not line.name.spec.is_timed:
         if values is Values.POSITION:
             return constant(found.transform[:3, 3])
-        # Without frames the command has an error, and the goal is never used.
+        # Without frames the command has an error, so this goal is never used.
         if frames is None:
             return PoseGoal(found.transform, _UNMOVED)
         moving, told = frames[0].link, None
@@ -127,15 +124,15 @@ def _named_goal(
 
 
 def _one_word(waypoint: WayPoint) -> Word | None:
-    """Return the name if a way-point is a single name; None for any other way-point."""
+    """Return the name if a waypoint is a single name; None for any other waypoint."""
     if len(waypoint.values) != 1 or not isinstance(word := waypoint.values[0], Word):
         return None
     return None if word.name in {"NAN", "INF", "INFINITY"} else word
 
 
 def _of_table(waypoint: WayPoint, line: Line) -> Pose | JointPosition | None:
-    """Return the pose or joint position of a way-point that is a single table element, such as `SPOTS[2]`;
-    None for any other way-point.
+    """Return the pose or joint position of a waypoint that is a single table element, such as `SPOTS[2]`;
+    None for any other waypoint.
 
     With a wrong index, add a finding and return the table's first element.
     """
@@ -150,7 +147,7 @@ def _of_table(waypoint: WayPoint, line: Line) -> Pose | JointPosition | None:
 
 
 def _is_strange(line: Line, waypoint: WayPoint, values: Values) -> bool:
-    """Return True, and add a finding, if a way-point of a Cartesian motion is an unknown name."""
+    """Return True, and add a finding, if a waypoint of a Cartesian motion is an unknown name."""
     word = _one_word(waypoint)
     if word is None or values.is_delta or line.name.spec.is_timed or line.scope.name(word.name) is not None:
         return False
@@ -179,7 +176,7 @@ def _joint_position(line: Line, word: Word) -> JointPosition | None:
 
 
 def _values(line: Line, number: int) -> Values:
-    """Return the kind of values of a way-point; way-points are counted from 1."""
+    """Return the kind of values of a waypoint; waypoints are counted from 1."""
     leading = line.name.spec.leading
     return leading[number - 1] if number <= len(leading) else line.values
 
@@ -187,13 +184,13 @@ def _values(line: Line, number: int) -> Values:
 def _goal(
     line: Line, waypoint: WayPoint, numbers: Array, values: Values, frames: tuple[Frame, Frame] | None
 ) -> object | None:
-    """Return the goal of a way-point; None with a finding if it has an error, or without the frames that it
-    needs.
+    """Return the goal of a waypoint. Return None with a finding if the waypoint has an error, and None if
+    the frames that it needs are missing.
 
     Args:
         line: the command.
-        waypoint: the way-point.
-        numbers: the way-point's values in SI.
+        waypoint: the waypoint.
+        numbers: the waypoint's values in SI.
         values: the kind of these values.
         frames: the moving frame, and the frame of the values.
     """
@@ -218,8 +215,8 @@ def _goal(
         turned = np.abs(numbers[3:]).max() if not values.is_quaternion else 0.0
         cosine = (rotation.trace() - 1.0) / 2.0
         if turned >= np.pi - 1e-9 or cosine <= -1.0 + 1e-12:
-            message = "an increment of half a turn or more has no short way"
-            findings.add("Y0409", message, statement.span(waypoint.place), "make two commands of it")
+            message = "an increment of half a turn or more has no shortest direction"
+            findings.add("Y0409", message, statement.span(waypoint.place), "write two commands")
             return None
         return PoseDelta(
             constant(numbers[:3]),
@@ -236,7 +233,7 @@ def _goal(
 
 
 def _told(numbers: Array, frames: tuple[Frame, Frame]) -> Told | None:
-    """Return a goal pose with its numbers as written; None if the frame of one of them isn't known."""
+    """Return the numbers of a goal pose as written, and its frames; None if a frame isn't known."""
     moving, base = frames[0].link, frames[1].link
     return None if moving is None or base is None else Told(constant(numbers), base, moving)
 
@@ -249,6 +246,6 @@ def _example(name: ResolvedName) -> str:
 
 
 _TAUGHT = (
-    "a motion is proved before it runs: run the program, then put the line that `yarc registers` prints "
-    "above its first command"
+    "run the program, then write the line that `yarc registers` prints above the first command: motions "
+    "are proved before they run"
 )

@@ -27,9 +27,9 @@ class Line:
     Attributes:
         statement: the command.
         name: its resolved name.
-        values: the kind of values of its way-points.
+        values: the kind of values of its waypoints.
         robot: the robot.
-        defaults: what the DEFAULT line of its file gives.
+        defaults: the values of the DEFAULT line of its file.
         scope: the names in scope at this line.
         units: units of the line and of DEFAULT; None if they are wrong, which was already reported.
         findings: the findings of its file.

@@ -23,7 +23,7 @@ class Moved:
     Attributes:
         frames: the moving frame on the flange, and the frame of the values. None for joint values, and for a
             command with errors.
-        tool: the moving frame. Also given for joint values, whose motion it doesn't affect.
+        tool: the moving frame. A motion to joint values has it too, although it doesn't affect the path.
     """
 
     frames: tuple[Frame, Frame] | None
@@ -54,7 +54,7 @@ def moved_by(line: Line) -> Moved:
         moving = moving_frame(defaults.statement, defaults.moving, defaults.scope, line.findings)
     else:
         help_ = "write it after the name, as {TCP}, or in DEFAULT"
-        message = f"{line.name.full} doesn't say which frame it moves"
+        message = f"{line.name.full} has no moving frame"
         subject = LeftOut("the frame that it moves")
         line.findings.add("Y0302", message, statement.head_span, help_, subject=subject)
     may_move = line.name.spec.frames_may_move
@@ -66,7 +66,7 @@ def moved_by(line: Line) -> Moved:
         base = base_axes(defaults.statement, defaults.base, defaults.scope, may_move, line.findings)
     else:
         help_ = "write the base frame after the units, as {B}, or in DEFAULT"
-        message = f"{line.name.full} doesn't say in which frame its values are given"
+        message = f"{line.name.full} has no base frame for its values"
         subject = LeftOut("the frame in which its values are given")
         line.findings.add("Y0302", message, statement.head_span, help_, subject=subject)
     if moving is None or base is None:
@@ -75,9 +75,9 @@ def moved_by(line: Line) -> Moved:
 
 
 def named_poses(line: Line) -> tuple[tuple[Word | Computed, Pose], ...]:
-    """Return the way-points of a command that name a declared pose or a pose in a table, with these poses.
+    """Return the waypoints of a command that name a declared pose or a pose in a table, with these poses.
 
-    The result is empty for commands whose way-points are increments or rows of a timetable.
+    The result is empty for commands whose waypoints are increments or rows of a timetable.
     """
     if line.values.is_delta or line.name.spec.is_timed:
         return ()
@@ -91,7 +91,9 @@ def named_poses(line: Line) -> tuple[tuple[Word | Computed, Pose], ...]:
 
 
 def meaning_of(value: Word | Computed, scope: Scope) -> Named | None:
-    """Return what a name or an element of a table of places means; for a wrong index, the first element."""
+    """Return the meaning of a name or of an element of a table of places. For a wrong index, return the first
+    element.
+    """
     if isinstance(value, Word):
         return scope.name(value.name)
     try:
@@ -102,15 +104,15 @@ def meaning_of(value: Word | Computed, scope: Scope) -> Named | None:
 
 
 def _base_of(line: Line, poses: tuple[tuple[Word | Computed, Pose], ...]) -> Frame:
-    """Return the frame of the first pose, for a command whose way-points are all names of poses.
+    """Return the frame of the first pose, for a command whose waypoints are all names of poses.
 
     A base frame in the command has no effect then, and gets a finding.
     """
     word, pose = poses[0]
     if line.statement.base is not None:
         given = f"{{{pose.link.name}}}" if pose.link is not None else "a frame"
-        message = f"{word.text} is given in {given} already: {line.statement.base.text} changes nothing"
-        help_ = "take it away; a pose in another frame has a POSE line of its own"
+        message = f"{word.text} is already given in {given}: {line.statement.base.text} has no effect"
+        help_ = "remove it, or declare the pose in the other frame by POSE"
         line.findings.add("Y0408", message, line.statement.span(line.statement.base.place), help_)
     return Frame(pose.transform, on_flange=False, link=pose.link)
 
@@ -132,14 +134,14 @@ def _tool(line: Line) -> FrameLink | None:
 
 
 def takes_names(name: ResolvedName) -> bool:
-    """Return True if way-points of a command may be names of joint positions, because it accepts joint
-    values.
+    """Return True if waypoints of a command may be names of joint positions, because the command also
+    accepts joint values.
     """
     return name.spec.targets.get("") is Values.JOINTS
 
 
 def _all_named(statement: Statement, scope: Scope) -> bool:
-    """Return True if every way-point is one word, or an element of a table of places."""
+    """Return True if every waypoint is one word, or an element of a table of places."""
     return bool(statement.waypoints) and all(
         len(waypoint.values) == 1
         and (

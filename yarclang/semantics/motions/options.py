@@ -22,8 +22,8 @@ def limited(line: Line, timing: Timing) -> tuple[Timing, float | None, Reading |
         timing: its motion time.
 
     Returns:
-        The timing with the share of the limits from ACC, the tolerance from TOL [m], and the distance or
-        angle from BLEND. The tolerance and the blend are None if their options are missing.
+        The timing, limited by ACC if the line has it; the tolerance of TOL [m]; and the distance or angle of
+        BLEND. The tolerance and the blend are None if their options are missing.
     """
     tolerance, blend = None, None
     seen: set[str] = set()
@@ -31,7 +31,7 @@ def limited(line: Line, timing: Timing) -> tuple[Timing, float | None, Reading |
     for option in statement.options:
         word, span = option.word.name, line.statement.span(option.word.place)
         if word in seen and word != "ALLOW":
-            line.findings.add("Y0412", f"{word} stands twice", span, "leave one of them")
+            line.findings.add("Y0412", f"{word} is given twice", span, "remove one of them")
         seen.add(word)
         if word != "BLEND":
             refuse_at_most(line, option)
@@ -42,11 +42,11 @@ def limited(line: Line, timing: Timing) -> tuple[Timing, float | None, Reading |
         elif word == "TOL":
             tolerance = _tolerance(line, option)
         elif word == "STRETCH":
-            message = "STRETCH stretches the times of a timetable: only MOVEJ_TIMED takes it"
-            line.findings.add("Y0412", message, span, "take it away, and write another motion time")
+            message = "STRETCH is allowed only with MOVEJ_TIMED: it stretches the times of a timetable"
+            line.findings.add("Y0412", message, span, "remove it, and change the motion time")
         elif word == "ELSE" and not statement.waits_else:
-            message = "ELSE stands after the time of a WAIT, or in a line of its own"
-            line.findings.add("Y0412", message, span, "take it away")
+            message = "ELSE is allowed only after the time of a WAIT, or in a line of its own"
+            line.findings.add("Y0412", message, span, "remove it")
         elif word == "BLEND":
             blend = _blend(line, option)
     return timing, tolerance, blend
@@ -55,29 +55,29 @@ def limited(line: Line, timing: Timing) -> tuple[Timing, float | None, Reading |
 def refuse_at_most(line: Line, option: Option) -> None:
     """Add a finding if an option other than BLEND has `<=`."""
     if option.at_most:
-        message = f"only BLEND takes `<=`; {option.word.name} is what it says"
-        line.findings.add("Y0412", message, line.statement.span(option.word.place), "take `<=` away")
+        message = f"`<=` is allowed only with BLEND, not with {option.word.name}"
+        line.findings.add("Y0412", message, line.statement.span(option.word.place), "remove the `<=`")
 
 
 def _blend(line: Line, option: Option) -> Reading | None:
     """Return the number of a BLEND, interpreted as a length [m] and as an angle [rad]; None with a finding if
     it is wrong.
 
-    The number is the distance from the end of the path at which the motion may leave the path.
+    Within this distance of the end of its path, the motion may leave the path for the next motion.
     """
     span = line.statement.span((option.argument or option.word).place)
     if not isinstance(option.argument, Number | Computed):
-        line.findings.add("Y0412", "BLEND takes a distance or an angle", span, "for example BLEND 5")
+        line.findings.add("Y0412", "BLEND needs a distance or an angle", span, "for example BLEND 5")
         return None
     found = amount(option.argument, line.scope, line.statement, line.findings)
     if found is None:
         return None
     if option.at_most and found.value == 0.0:
-        message = f"BLEND <={found} leaves nothing to choose"
+        message = f"BLEND <={found} allows only 0"
         line.findings.add("Y0412", message, span, "write BLEND 0, or a distance above 0")
         return None
     if found.value < 0.0:
-        line.findings.add("Y0412", f"BLEND {found}: a distance from the corner is 0 or more", span)
+        line.findings.add("Y0412", f"BLEND {found}: the distance from the corner must be 0 or more", span)
         return None
     if found.unit is not None:
         length, angle = (
@@ -113,7 +113,7 @@ def _reading(value: float, length: float | None, angle: float | None, or_less: b
 def _tolerance(line: Line, option: Option) -> float | None:
     span = line.statement.span((option.argument or option.word).place)
     if not isinstance(option.argument, Number | Computed):
-        line.findings.add("Y0412", "TOL takes a distance", span, "for example TOL 0.05")
+        line.findings.add("Y0412", "TOL needs a distance", span, "for example TOL 0.05")
         return None
     found = amount(option.argument, line.scope, line.statement, line.findings)
     unit = (line.units or {}).get("length")
@@ -128,7 +128,7 @@ def _tolerance(line: Line, option: Option) -> float | None:
         line.findings.add_error(error, span)
         return None
     if metres <= 0.0:
-        line.findings.add("Y0412", f"TOL {found}: a tolerance is above 0", span)
+        line.findings.add("Y0412", f"TOL {found}: the tolerance must be above 0", span)
         return None
     return metres
 

@@ -1,4 +1,4 @@
-"""Read UNTIL (a search: a motion that ends when an input comes), and check the commands that follow it."""
+"""Read UNTIL (a search: a motion that ends when an input changes), and check the commands that follow it."""
 
 from __future__ import annotations
 
@@ -57,18 +57,26 @@ def search_of(line: Line, blend: Reading | None) -> Search | None:
     if until is None:
         if into is not None:
             _refuse(
-                line, into, "INTO names the register for how far a motion has come with UNTIL", "take it away"
+                line,
+                into,
+                "INTO is allowed only with UNTIL: it names the register for the travelled distance",
+                "remove it",
             )
         return None
     if not line.name.spec.may_search or line.name.avoids:
-        _refuse(line, until, f"{line.name.full} isn't ended by an input: MOVEL and MOVEJ are", "write MOVEL")
+        _refuse(
+            line,
+            until,
+            f"UNTIL is allowed only with MOVEL and MOVEJ, not with {line.name.full}",
+            "write MOVEL",
+        )
         return None
     if blend is not None:
-        message = "a motion with UNTIL ends at rest: where it ends isn't known before"
-        _refuse(line, options["BLEND"], message, "take BLEND away")
+        message = "a motion with UNTIL can't have BLEND: its end isn't known in advance"
+        _refuse(line, options["BLEND"], message, "remove BLEND")
         return None
     if not isinstance(until.argument, Word):
-        _refuse(line, until, "UNTIL wants an input", "for example UNTIL TOUCH, or UNTIL TOUCH OFF")
+        _refuse(line, until, "UNTIL needs an input", "for example UNTIL TOUCH, or UNTIL TOUCH OFF")
         return None
     signal = input_named(until.argument, line.scope, line.statement, line.findings)
     value = (
@@ -78,12 +86,12 @@ def search_of(line: Line, blend: Reading | None) -> Search | None:
     if signal is None or value is None or depth is None:
         return None
     if is_group(signal.variable):
-        message = f"{signal.name} is a group of {len(signal.bits)} bits, and UNTIL takes a single one"
+        message = f"{signal.name} is a group of {len(signal.bits)} bits, and UNTIL takes a single bit"
         line.findings.add(
             "Y0471",
             message,
             line.statement.span(until.argument.place),
-            "declare the bit by a name of its own",
+            "declare this bit under a name of its own",
         )
         return None
     return Search(signal.variable, round(value, DECIMALS) + 0.0, signal.name, depth=depth)
@@ -94,7 +102,9 @@ def _depth(line: Line, into: Option) -> str | None:
     not linear.
     """
     if not line.name.spec.moves_frame:
-        _refuse(line, into, "only a line has a length in mm: MOVEJ takes no INTO", "take it away")
+        _refuse(
+            line, into, "INTO is allowed only with MOVEL: a joint motion has no length in mm", "remove it"
+        )
         return None
     found = line.scope.name(into.argument.name) if isinstance(into.argument, Word) else None
     if isinstance(found, Register):
@@ -108,7 +118,7 @@ def _depth(line: Line, into: Option) -> str | None:
     help_ = subject.question or "declare it: REGISTER DEPTH 0..50000, in 0.01 mm"
     line.findings.add(
         "Y0210",
-        f"no register is named {text}" if text else "INTO wants a register",
+        f"no register is named {text}" if text else "INTO needs a register",
         span,
         help_,
         subject=subject,
@@ -121,11 +131,11 @@ def _refuse(line: Line, option: Option, message: str, help_: str) -> None:
 
 
 def bound_searches(steps: list[Step], cell: Cell | None, findings: Collector) -> None:
-    """Check the steps after each search (a motion with UNTIL): the robot must stay at rest, or move to a
-    place that is known in advance, without BLEND.
+    """Check the steps after each search (a motion with UNTIL). After a search the robot must stay at rest
+    until a motion to a place that is known in advance, without BLEND.
 
-    A barrier is inserted after that motion. Up to there, the program is planned again when the search has
-    ended.
+    Insert a barrier after this motion. When the search has ended, the steps up to this barrier are planned
+    again.
 
     Args:
         steps: steps of the program; receive the barriers.
@@ -164,10 +174,10 @@ def _behind(steps: Sequence[Step], number: int, search: Motion, grips: set[str])
             target = step.output if isinstance(step, SetOutput) else step.target
             if isinstance(target, Signal) and target.variable in grips:
                 message = (
-                    f"{target.name} takes or puts down a part where {search.origin.name} has ended, and "
-                    "that place is known only when the program runs"
+                    f"{target.name} takes or puts down a part at the end of {search.origin.name}, which is "
+                    "known only when the program runs"
                 )
-                help_ = "in a cell with parts move to a known place before the gripper acts"
+                help_ = "in a cell with parts, move to a known place first"
                 return Diagnostic("Y0950", message, origin.source, origin.span, help_, place=origin.place)
         if isinstance(step, _STANDING):
             continue
@@ -179,17 +189,17 @@ def _behind(steps: Sequence[Step], number: int, search: Motion, grips: set[str])
         ):
             return at
         message = (
-            f"{origin.name} begins where {search.origin.name} has ended, and that place is known only when "
-            "the program runs"
+            f"{origin.name} begins at the end of {search.origin.name}, which is known only when the program "
+            "runs"
         )
-        help_ = "write a MOVEL or MOVEJ to a place of its own, without BLEND, in front of it"
+        help_ = "write a MOVEL or MOVEJ to an absolute place, without BLEND, before this line"
         return Diagnostic("Y0475", message, origin.source, origin.span, help_, place=origin.place)
     return None
 
 
 def _end_of_when(steps: Sequence[Step], first: int) -> int:
-    """Return the number of the EndWhen that belongs to the When at `first`; that of the last step if there
-    is none.
+    """Return the number of the EndWhen that belongs to the When at `first`. If there is none, return the
+    number of the last step.
     """
     depth = 0
     for number in range(first, len(steps)):

@@ -1,4 +1,4 @@
-"""Read timetables: way-points with times, velocities and accelerations."""
+"""Read timetables: waypoints with times, velocities and accelerations."""
 
 from __future__ import annotations
 
@@ -30,20 +30,20 @@ TOL.
 """
 
 _STANDS = 1e-9
-"""Largest velocity at the last way-point that counts as rest [axis units per s]."""
+"""Largest velocity at the last waypoint that counts as rest [axis units per s]."""
 
-_FORM = "write each way-point with its time: 10 0 0 0 20 0 [0.5]; 12 0 0 0 20 0 [0.9]"
+_FORM = "write each waypoint with its time: 10 0 0 0 20 0 [0.5]; 12 0 0 0 20 0 [0.9]"
 
 
 def refuse_rates(line: Line) -> None:
-    """Add a finding if a way-point has a time or rates, but the motion is no timetable."""
+    """Add a finding if a waypoint has a time or rates, but the motion is no timetable."""
     if line.name.spec.is_timed:
         return
     for waypoint in line.statement.waypoints:
         for part in (waypoint.time, waypoint.velocity, waypoint.acceleration):
             if part is not None:
                 what = "a time of its own" if isinstance(part, Time) else f"{part.word.name} after its time"
-                message = f"a way-point of {line.name.spec.name} takes no {what}".replace("no a ", "no ")
+                message = f"a waypoint of {line.name.spec.name} can't have {what}".replace("no a ", "no ")
                 line.findings.add(
                     "Y0421",
                     message,
@@ -89,9 +89,9 @@ def _options(line: Line) -> tuple[Array, float]:
     for option in line.statement.options:
         word, span = option.word.name, line.statement.span(option.word.place)
         if word == "ALLOW":
-            continue  # read with those of other motions
+            continue  # `allowed_by` reads ALLOW
         if word in seen:
-            line.findings.add("Y0412", f"{word} stands twice", span, "leave one of them")
+            line.findings.add("Y0412", f"{word} is given twice", span, "remove one of them")
         seen.add(word)
         refuse_at_most(line, option)
         if word == "STRETCH":
@@ -99,11 +99,8 @@ def _options(line: Line) -> tuple[Array, float]:
         elif word == "TOL":
             within = _within(line, option, kinds, within)
         else:
-            message = (
-                f"{line.name.spec.name} doesn't take {word}: its timetable says how fast the joints go and "
-                "where they are"
-            )
-            line.findings.add("Y0412", message, span, "take it away; STRETCH makes all times longer")
+            message = f"{line.name.spec.name} doesn't take {word}: its timetable gives the times"
+            line.findings.add("Y0412", message, span, "remove it; STRETCH makes all times longer")
     return constant(within), stretch
 
 
@@ -120,13 +117,13 @@ def stretch_span(statement: Statement) -> Span | None:
 def _stretch(line: Line, option: Option) -> float:
     span = line.statement.span((option.argument or option.word).place)
     if not isinstance(option.argument, Number | Computed):
-        line.findings.add("Y0412", "STRETCH takes a factor", span, "for example STRETCH 1.5")
+        line.findings.add("Y0412", "STRETCH needs a factor", span, "for example STRETCH 1.5")
         return 1.0
     value = _plain(line, option.argument, "a factor")
     if value is None:
         return 1.0
     if not 0.0 < value <= LARGEST_NUMBER:
-        message = f"STRETCH {value:.10g}: the factor of all times is above 0"
+        message = f"STRETCH {value:.10g}: the factor must be above 0"
         line.findings.add("Y0412", message, span, "for example STRETCH 1.5 for one and a half times as long")
         return 1.0
     return value
@@ -136,14 +133,17 @@ def _within(line: Line, option: Option, kinds: tuple[Kind, ...], default: Array)
     span = line.statement.span((option.argument or option.word).place)
     if not isinstance(option.argument, Number | Computed):
         line.findings.add(
-            "Y0412", "TOL of a timetable takes how far a joint may be from it", span, "for example TOL 0.01"
+            "Y0412",
+            "TOL needs the largest deviation of a joint from the timetable",
+            span,
+            "for example TOL 0.01",
         )
         return default
     found = amount(option.argument, line.scope, line.statement, line.findings)
     if found is None:
         return default
     if not found.value > 0.0:
-        line.findings.add("Y0412", f"TOL {found}: a tolerance is above 0", span)
+        line.findings.add("Y0412", f"TOL {found}: the tolerance must be above 0", span)
         return default
     if found.unit is not None:
         if found.unit.kind not in kinds:
@@ -162,11 +162,11 @@ def _within(line: Line, option: Option, kinds: tuple[Kind, ...], default: Array)
     return np.array([found.value * units[kind].factor for kind in kinds])
 
 
-# way-points in the program
+# waypoints in the program
 
 
 def _table(line: Line) -> Timetable | None:
-    """Return the timetable of the way-points in a command; None with findings."""
+    """Return the timetable of the waypoints in a command; None with findings."""
     statement, findings = line.statement, line.findings
     waypoints = statement.waypoints
     before = len(findings.found)
@@ -178,7 +178,7 @@ def _table(line: Line) -> Timetable | None:
         where = statement.span(waypoints[missing[0] - 1].place)
         more = f", nor have {len(missing) - 1} others" if len(missing) > 1 else ""
         findings.add(
-            "Y0421", f"way-point {missing[0]} of {line.name.spec.name} has no time{more}", where, _FORM
+            "Y0421", f"waypoint {missing[0]} of {line.name.spec.name} has no time{more}", where, _FORM
         )
     if has_errors(findings.found[before:]) or not waypoints or line.units is None:
         return None
@@ -220,12 +220,12 @@ def _last(waypoint: WayPoint) -> Place:
 
 
 def _seconds(line: Line, time: Time) -> float | None:
-    """Return the time of a way-point [s]; None with a finding."""
+    """Return the time of a waypoint [s]; None with a finding if it is wrong."""
     span = line.statement.span(time.place)
     unit = (line.units or {})["time"]
     if len(time.items) != 1 or not isinstance(item := time.items[0], Number | Computed):
         text = " ".join(item.text for item in time.items)
-        message = f"[{text}] is no time of a way-point: it is counted from the start of the motion"
+        message = f"[{text}] is no time of a waypoint: write the time from the start of the motion"
         line.findings.add("Y0421", message, span, _FORM)
         return None
     if isinstance(item, Number):
@@ -244,8 +244,7 @@ def _seconds(line: Line, time: Time) -> float | None:
             return None
     if not value > 0.0:
         message = (
-            "the time of a way-point is above 0: the motion begins at 0 where the robot stands, not at "
-            f"{value:.6g} s"
+            f"the time of a waypoint must be above 0: the motion begins at 0 s, and not at {value:.6g} s"
         )
         line.findings.add("Y0421", message, span, _FORM)
         return None
@@ -260,8 +259,8 @@ def _grows(line: Line, at: Array, times: list[Time | None]) -> bool:
     time = times[number]
     assert time is not None
     message = (
-        f"way-point {number + 1} is at {at[number]:.10g} s, and the one before at {at[number - 1]:.10g} s: "
-        "times grow"
+        f"waypoint {number + 1} is at {at[number]:.10g} s, and the one before at {at[number - 1]:.10g} s: "
+        "times must increase"
     )
     line.findings.add(
         "Y0421", message, line.statement.span(time.place), "times are counted from the start of the motion"
@@ -270,7 +269,7 @@ def _grows(line: Line, at: Array, times: list[Time | None]) -> bool:
 
 
 def _rates(line: Line, name: str, factors: Array) -> Array | None:
-    """Return the velocities or accelerations that a timed motion gives for its way-points.
+    """Return the velocities or accelerations that a timed motion gives for its waypoints.
 
     Args:
         line: the command.
@@ -278,7 +277,7 @@ def _rates(line: Line, name: str, factors: Array) -> Array | None:
         factors: (n,) from the line's units to SI.
 
     Returns:
-        (k, n) in SI; None if the way-points have none, or with a finding if they have an error.
+        (k, n) in SI; None if the waypoints have none, or with a finding if they have an error.
     """
     waypoints, word = line.statement.waypoints, {"velocity": "VEL", "acceleration": "ACC"}[name]
     rates: list[Rate | None] = [getattr(waypoint, name) for waypoint in waypoints]
@@ -287,7 +286,7 @@ def _rates(line: Line, name: str, factors: Array) -> Array | None:
     rows: list[list[float]] = []
     for number, (waypoint, rate) in enumerate(zip(waypoints, rates, strict=True), 1):
         if rate is None:
-            message = f"way-point {number} has no {word}, and others have: all have it, or none"
+            message = f"waypoint {number} has no {word}, but others have: give it for all or for none"
             span = line.statement.span(waypoint.place)
             line.findings.add(
                 "Y0421", message, span, f"write {word} and a value for each joint after its time"
@@ -300,7 +299,7 @@ def _rates(line: Line, name: str, factors: Array) -> Array | None:
             names = line.robot.joint_names
             verb = "is" if len(row) == 1 else "are"
             message = (
-                f"{word} of way-point {number} wants {len(names)} values ({' '.join(names)}), {len(row)} "
+                f"{word} of waypoint {number} takes {len(names)} values ({' '.join(names)}), {len(row)} "
                 f"{verb} given"
             )
             line.findings.add("Y0401", message, line.statement.span(rate.place))
@@ -310,8 +309,8 @@ def _rates(line: Line, name: str, factors: Array) -> Array | None:
 
 
 def _plain(line: Line, value: Value, what: str) -> float | None:
-    """Return a number that must have no unit; None with a finding, in which `what` names the number, if it
-    has one.
+    """Return a number that must have no unit. If it has one, return None, and add a finding that calls the
+    number `what`.
     """
     span = line.statement.span(value.place)
     fault = number_fault(value)
@@ -343,14 +342,14 @@ def _rests(line: Line, velocities: Array | None, span: Span) -> bool:
         return True
     unit = line.robot.axis_unit_names[joint]
     message = (
-        f"{line.robot.joint_names[joint]} goes at {last[joint]:.6g} {unit}/s at the last way-point: the "
-        "motion ends at rest"
+        f"{line.robot.joint_names[joint]} moves at {last[joint]:.6g} {unit}/s at the last waypoint: the "
+        "motion must end at rest"
     )
-    line.findings.add("Y0421", message, span, "let the velocities of the last way-point be 0")
+    line.findings.add("Y0421", message, span, "set the velocities of the last waypoint to 0")
     return False
 
 
-# way-points in a file
+# waypoints in a file
 
 
 def _from_file(line: Line, load: Load | None) -> Timetable | None:
@@ -359,7 +358,7 @@ def _from_file(line: Line, load: Load | None) -> Timetable | None:
     (first, *others) = statement.waypoints
     text = first.values[0]
     if others or len(first.values) > 1 or not isinstance(text, Text):
-        message = f"{line.name.spec.name} takes the path of one file in quotes, or way-points"
+        message = f"{line.name.spec.name} needs waypoints, or the path of one file in quotes"
         findings.add(
             "Y0401", message, statement.span(first.place), f'for example {line.name.spec.name} "path.csv"'
         )
@@ -367,14 +366,14 @@ def _from_file(line: Line, load: Load | None) -> Timetable | None:
     span = statement.span(text.place)
     for part in (statement.time, first.velocity, first.acceleration):
         if part is not None:
-            message = "the file says the times of its way-points"
+            message = "no time, VEL or ACC is allowed with a file: the file gives them"
             findings.add(
-                "Y0421", message, statement.span(part.place), "take it away; STRETCH makes all times longer"
+                "Y0421", message, statement.span(part.place), "remove it; STRETCH makes all times longer"
             )
             return None
     if load is None:
         findings.add(
-            "Y0421", f"no file can be read here: {text.text}", span, "write the way-points in the program"
+            "Y0421", f"no file can be read here: {text.text}", span, "write the waypoints in the program"
         )
         return None
     source = findings.source

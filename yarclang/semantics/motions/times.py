@@ -45,7 +45,7 @@ def time_is_sound(statement: Statement, time: Time, findings: Collector) -> bool
                     findings.add(fault[0], fault[1], span)
                     return False
                 if number.value <= 0:
-                    message = f"a motion can't take {number.text}: the time has to be positive"
+                    message = f"a motion can't take {number.text}: the time must be positive"
                     findings.add("Y0407", message, span, _HELP)
                     return False
                 return True
@@ -59,6 +59,10 @@ def time_is_sound(statement: Statement, time: Time, findings: Collector) -> bool
                 findings.add(fault[0], fault[1], span)
                 return False
             return _speed_is_sound(number.value, number.text, span, findings)
+        case (Word(name="V"), Word() as name) | (Word(name="V"), Other(text="<="), Word() as name):
+            help_ = f"write [{text.replace(name.text, f'${name.text}')}] for the number {name.name} of a LET"
+            findings.add("Y0407", f"[{text}] is no motion time", span, help_)
+            return False
     findings.add("Y0407", f"[{text}] is no motion time", span, _HELP)
     return False
 
@@ -66,7 +70,7 @@ def time_is_sound(statement: Statement, time: Time, findings: Collector) -> bool
 def _share_is_sound(value: float, text: str, *, span_of: Statement, time: Time, findings: Collector) -> bool:
     if 0.0 < value <= 100.0:
         return True
-    message = f"[{text}]: a share of the limits is above 0 and at most 100 %"
+    message = f"[{text}]: the share of the limits must be above 0 and at most 100 %"
     findings.add("Y0407", message, span_of.span(time.place), _HELP)
     return False
 
@@ -74,7 +78,7 @@ def _share_is_sound(value: float, text: str, *, span_of: Statement, time: Time, 
 def _speed_is_sound(value: float, text: str, span: Span, findings: Collector) -> bool:
     if value > 0.0:
         return True
-    findings.add("Y0407", f"a motion can't go at {text}: the speed has to be positive", span, _HELP)
+    findings.add("Y0407", f"a motion can't go at {text}: the speed must be positive", span, _HELP)
     return False
 
 
@@ -86,15 +90,16 @@ def resolve_time(
     findings: Collector,
     has_speed: bool,
 ) -> Timing:
-    """Return the timing of a command: [20] gives a duration [s], [MIN] None, and [50%] a share of the limits.
+    """Return the timing of a command. [20] sets the duration [s], [50%] sets the share of the limits that the
+    motion may use, and [MIN] sets neither.
 
-    A time from DEFAULT has the unit that DEFAULT names. The units of the line apply to it only if DEFAULT
-    names none.
+    A time from DEFAULT has the unit that DEFAULT names. If DEFAULT names no unit, the units of the line apply
+    to this time.
 
     Args:
         statement: the command.
         units: units of the line and of DEFAULT.
-        defaults: what the DEFAULT line of its file gives.
+        defaults: the values of the DEFAULT line of its file.
         scope: the names in scope at this line.
         findings: receives the findings.
         has_speed: True if the command moves a frame: a speed is then allowed instead of a time.
@@ -120,7 +125,7 @@ def resolve_time(
         case Word(name="V"):
             if not has_speed:
                 said = "the motion time is a speed" if own else "DEFAULT's motion time is a speed"
-                message = f"{said}, which only motions of a frame take: MOVEL and its kin, DMOVE"
+                message = f"{said}, which is allowed only with Cartesian motions such as MOVEL and DMOVE"
                 span = statement.span(time.place) if own else statement.head_span
                 findings.add("Y0407", message, span, "write [20], [MIN], [50%] or [V<=250]")
                 return Timing(None)
@@ -224,7 +229,7 @@ def _seconds(
         statement: the command.
         own: True if the time is written in the command.
         units: units of the command and of DEFAULT.
-        defaults: what the DEFAULT line gives.
+        defaults: the values of the DEFAULT line.
         scope: the names that are known in `line`.
         findings: receives the finding.
     """
@@ -248,7 +253,7 @@ def _seconds(
         findings.add_error(error, span)
         return None
     if value <= 0.0:
-        findings.add("Y0407", f"a motion can't take {found}: the time has to be positive", span, _HELP)
+        findings.add("Y0407", f"a motion can't take {found}: the time must be positive", span, _HELP)
         return None
     return value
 
@@ -278,7 +283,9 @@ def acceleration_share(option: Option, statement: Statement, scope: Scope, findi
             return 1.0
         if 0.0 < share <= 100.0:
             return share / 100.0
-        findings.add("Y0412", f"ACC {share:g}%: a share of the limits is above 0 and at most 100 %", span)
+        findings.add(
+            "Y0412", f"ACC {share:g}%: the share of the limits must be above 0 and at most 100 %", span
+        )
         return 1.0
-    findings.add("Y0412", "ACC takes a percentage", span, "for example ACC 30%")
+    findings.add("Y0412", "ACC needs a percentage", span, "for example ACC 30%")
     return 1.0

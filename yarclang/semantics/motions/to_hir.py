@@ -40,7 +40,7 @@ def to_step(
         statement: the command.
         name: its resolved name.
         context: inputs besides the text.
-        defaults: what the DEFAULT line of its file gives.
+        defaults: the values of the DEFAULT line of its file.
         scope: the names in scope at this line.
         findings: receives the findings.
 
@@ -66,7 +66,7 @@ def to_step(
             if timed is None or has_errors(findings.found[before:]):
                 return None
             duration = float(timed.table.times[-1]) * timed.stretch
-            # The time in the line belongs to one way-point, so a fix of the duration must not replace it.
+            # The time in the line belongs to one waypoint, so a fix of the duration must not replace it.
             origin = replace(
                 origin_of(statement, name.full, findings, units, moved),
                 time_span=None,
@@ -111,7 +111,7 @@ def origin_of(
     Args:
         statement: the command.
         name: its current full name.
-        findings: the findings of its file; they also know the calls and loops around the command.
+        findings: collector of the file's findings, which also knows the calls and loops around the command.
         units: units of the command by kind; None for s, mm and deg.
         moved: frames of the command.
     """

@@ -1,4 +1,4 @@
-"""Read and write the file of a timed trajectory: CSV with a row for each way-point. Values are converted to
+"""Read and write the file of a timed trajectory: CSV with a row for each waypoint. Values are converted to
 SI when read, and written without loss.
 
 The header is `time,J1,...,Jn`, then `J1_velocity,...` and `J1_acceleration,...` if the file has them. Columns
@@ -39,7 +39,7 @@ STANDS = 1e-6
 """Largest speed that counts as rest [deg/s or mm/s]."""
 
 PER_SECOND = ("", "/s", "/s^2")
-"""Endings of the units of these columns, by the order of the time derivative."""
+"""Endings of the units of a joint's columns, in the order of `RATES`."""
 
 _WITH_UNIT = re.compile(r"(.*?)\s*[\[(]\s*([^\])]*?)\s*[\])]")
 _PER_S = re.compile(r"(.*?)\s*/\s*s(?:(?:\^|\*\*)?\s*2|²|\s*/\s*s)?", re.I)
@@ -68,7 +68,7 @@ class TrajectoryFile:
         """Read the timetable in the file.
 
         Args:
-            robot: the robot whose joints the columns are.
+            robot: the robot to whose joints the columns belong.
             units: units by kind for columns that don't name their unit; may be empty.
             own: kinds of unit (length, angle, time) for which the program's line names the unit itself; the
                 file must not name other units of these kinds.
@@ -173,7 +173,7 @@ def split_unit(cell: str) -> tuple[str, str]:
 
 
 def unit_of(text: str, kind: Kind, order: int) -> Unit | None:
-    """Read the unit of a joint's column: positions, velocities or accelerations.
+    """Read the unit of a column with a joint's positions, velocities or accelerations.
 
     Args:
         text: text in the brackets, such as `deg` or `deg/s`.
@@ -202,7 +202,7 @@ def _timetable(
         if line and not line.isspace() and not line.startswith("#")
     ]
     if not lines:
-        findings.add("Y1384", "the file has no line", Span.on_line(1, 1, 1), _EXAMPLE)
+        findings.add("Y1384", "the file has no data", Span.on_line(1, 1, 1), _EXAMPLE)
         return None
     columns = _columns(source, lines[0][0], robot, units, own, findings)
     if columns is None:
@@ -218,7 +218,7 @@ def _timetable(
             "Y1384",
             "the file has a header and no row",
             source.whole_line(at),
-            "write a row for each way-point",
+            "write a row for each waypoint",
         )
         return None
     times = table[:, columns.time] * columns.second
@@ -234,7 +234,7 @@ def _timetable(
     if len(times) == 1 and times[0] == 0.0:
         message = "the only row is the start, at time 0"
         findings.add(
-            "Y1384", message, source.whole_line(numbers[0]), "write a row for each way-point, at its time"
+            "Y1384", message, source.whole_line(numbers[0]), "write a row for each waypoint, at its time"
         )
     if len(findings.found) > before:
         return None
@@ -243,7 +243,7 @@ def _timetable(
     return Timetable(constant(times), constant(values[0]), velocities, accelerations)
 
 
-_EXAMPLE = "it begins with time,J1,J2,... and has a row for each way-point: 0.5,10,0,..."
+_EXAMPLE = "it begins with time,J1,J2,... and has a row for each waypoint: 0.5,10,0,..."
 
 
 def _columns(
@@ -259,12 +259,12 @@ def _columns(
     others = {";": "semicolons", "\t": "tabs"}
     if not separators and (found := max(others, key=text.count)) in text:
         at = text.index(found) + 1
-        message = f"cells are divided by {others[found]} here, not by commas"
+        message = f"this file has {others[found]} between cells, not commas"
         help_ = "write commas between cells and decimal points; yarc import reads other tables"
         findings.add("Y1380", message, Span.on_line(line, at, at + 1), help_)
         return None
     if separators > _MOST_COLUMNS:
-        message = f"the first line has {separators + 1:,} cells, and is no header of a trajectory"
+        message = f"the first line has {separators + 1:,} cells, but isn't the header of a trajectory"
         findings.add("Y1380", message, Span.on_line(line, 1, 2), _EXAMPLE)
         return None
     cells = _cells(text, line)
@@ -282,7 +282,7 @@ def _columns(
         if (joint, order) in found_:
             first = found_[joint, order].span.column
             message = f"{cell.name} is a column twice: the other begins at column {first} of the line"
-            findings.add("Y1380", message, cell.span, "leave one of them")
+            findings.add("Y1380", message, cell.span, "remove one of them")
             return None
         found_[joint, order] = cell
     orders = 1 + max(order for _, order in found_)
@@ -381,27 +381,27 @@ def _with_units(
             return None
     for kind, (unit, cell) in said.items():
         if kind in silent:
-            message = f"{cell.name} says its unit, {unit.name}, and {silent[kind].name} doesn't"
-            findings.add("Y1381", message, silent[kind].span, "write the units of all columns or of none")
+            message = f"{cell.name} has a unit, {unit.name}, and {silent[kind].name} doesn't"
+            findings.add("Y1381", message, silent[kind].span, "give all columns of a kind a unit, or none")
             return None
         if kind in own and units[kind] != unit:
-            message = f"{cell.name} is in {unit.name} here, and the program's line says {units[kind].name}"
+            message = f"{cell.name} is in {unit.name} here, but the program's line has {units[kind].name}"
             findings.add(
                 "Y1381",
                 message,
                 cell.span,
-                f"take {units[kind].name} out of the line, or write the file in it",
+                f"remove {units[kind].name} from the line, or convert the file",
             )
             return None
     factors: dict[Kind, float] = {kind: unit.factor for kind, (unit, _) in said.items()}
     factors.setdefault("time", 1.0)
     for kind in dict.fromkeys(kinds):
         if kind not in factors and kind not in units:
-            message = f"the unit of {silent[kind].name} isn't said anywhere"
+            message = f"{silent[kind].name} has no unit"
             one = units_of(kind)[-1 if kind == "angle" else 0]
             help_ = (
-                f"write it into the header, as in `{silent[kind].name} [{one}]`; or a unit of {kind} into "
-                "the program's line or its DEFAULT"
+                f"write the unit into the header, as in `{silent[kind].name} [{one}]`, or into the "
+                "program's line or its DEFAULT"
             )
             findings.add("Y1381", message, header, help_)
             return None
@@ -434,10 +434,10 @@ def _table(lines: list[str], numbers: list[int], width: int, findings: Collector
     if (counts != width - 1).any():
         row = int(np.argmax(counts != width - 1))
         count = int(counts[row]) + 1
-        message = f"this line has {count:,} cell{'s' * (count != 1)}, the header has {width}"
-        help_ = "every row has a cell for each column"
+        message = f"this line has {count:,} cell{'s' * (count != 1)}, but the header has {width}"
+        help_ = "give every row a cell for each column"
         if ";" in lines[row]:
-            help_ = "cells are divided by commas"
+            help_ = "write commas between the cells"
         findings.add("Y1382", message, Span.on_line(numbers[row], 1, len(lines[row]) + 1), help_)
         return None
     body = "\n".join(lines)
@@ -481,13 +481,13 @@ def _refuse_cell(line: str, number: int, column: int, findings: Collector) -> No
     span = _cell_span(line, number, column)
     text = line.split(",")[column].strip()
     help_ = (
-        f"a number is finite and at most {LARGEST_NUMBER:,.0f}, with a decimal point; its unit goes into "
+        f"write a finite number of at most {LARGEST_NUMBER:,.0f}, with a decimal point; its unit goes into "
         "the header"
     )
     if not text:
         message = "this cell is empty"
     elif text.lower().lstrip("+-") in {"nan", "inf", "infinity"}:
-        message = f"{text} is beyond any joint position"
+        message = f"{text} is too large for a joint position"
     elif _is_number(text):
         message = f"{text[:_SHOWN]} is beyond the largest value, {LARGEST_NUMBER:,.0f}"
     else:
@@ -519,7 +519,7 @@ def _increase(
     if times[0] < 0.0:
         span = _cell_span(source.line(numbers[0]), numbers[0], columns.time)
         message = f"the first time is {times[0]:.9g} s, before the motion begins at 0"
-        findings.add("Y1383", message, span, "times count from the start of the motion")
+        findings.add("Y1383", message, span, "write times from the start of the motion")
         return False
     late = np.diff(times) <= 0.0
     if not late.any():
@@ -588,12 +588,12 @@ def _check_rest(
             continue
         message = (
             f"{robot.joint_names[joint]} moves at {speeds[joint]:.6g} {robot.axis_unit_names[joint]}/s "
-            f"{when}: the robot stands there"
+            f"{when}: it must be at rest there"
         )
         span = _cell_span(source.line(numbers[row]), numbers[row], places[joint])
         findings.add(
             "Y1383",
             message,
             span,
-            "a motion begins and ends at rest: write 0 there, or add rows until the arm stands",
+            "write 0 there, or add rows until the robot is at rest",
         )

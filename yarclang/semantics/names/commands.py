@@ -21,7 +21,7 @@ TARGETS = ("RPY", "QUAT")
 
 @frozen
 class ResolvedName:
-    """A command's name, split at its underscores into what each part means.
+    """A command's name, split at its underscores, with the meaning of each part.
 
     Attributes:
         spec: the command.
@@ -66,7 +66,7 @@ class CommandNames:
         return found
 
     def look_up(self, nodes: Iterable[Node], findings: Collector) -> None:
-        """Resolve the names of all commands in a file, also of those that are never carried out."""
+        """Resolve the names of all commands in a file, including commands that are never carried out."""
         for node in each(nodes):
             if isinstance(node, Block):
                 self.look_up((*node.body, *(node.otherwise or ())), findings)
@@ -115,7 +115,7 @@ def resolve_name(statement: Statement, profiles: Iterable[str], findings: Collec
     full = "_".join((spec.name, *suffixes))
     if old:
         fix = Fix(f"write {full}", (Edit(span, full),))
-        findings.add("Y0204", f"{name} is today {full}", span, f"write {full}", fix)
+        findings.add("Y0204", f"{name} is now called {full}", span, f"write {full}", fix)
     return ResolvedName(spec, spec.targets.get(target), profile, full, avoids)
 
 
@@ -162,13 +162,13 @@ def _has_law(spec: CommandSpec) -> bool:
 
 def _wrong_suffix(spec: CommandSpec, suffix: str, suffixes: tuple[str, ...], profiles: Iterable[str]) -> str:
     if suffix in suffixes[: suffixes.index(suffix)] or suffixes.count(suffix) > 1:
-        return f"the suffix _{suffix} stands twice"
+        return f"the suffix _{suffix} is given twice"
     if (
         suffix in spec.targets
         or (_has_law(spec) and suffix in profiles)
         or (spec.may_avoid and suffix == AVOID)
     ):
-        return f"_{suffix} stands in the wrong place in {spec.name}_{'_'.join(suffixes)}"
+        return f"_{suffix} is in the wrong place in {spec.name}_{'_'.join(suffixes)}"
     return f"{spec.name} doesn't take the suffix _{suffix}"
 
 

@@ -5,17 +5,14 @@ replacement.
 from types import MappingProxyType
 
 _WAYS = (
-    "CASE N ... OF 1 ... END and WHEN DOOR ON ... ELSE ... END choose a way when the program runs, IF by "
-    "numbers when it is compiled"
+    "use CASE N ... OF 1 ... END or WHEN DOOR ON ... ELSE ... END to branch when the program runs, IF for "
+    "numbers that are known when compiled"
 )
 _LOOPS = (
-    "REPEAT I 4 ... END repeats lines; LOOP ... UNTIL DOOR ON, WHILE N < 3 ... END and LOOP ... EXIT ... "
-    "END go on as long as the program decides when run"
+    "use REPEAT I 4 ... END for a fixed count; LOOP ... UNTIL DOOR ON, WHILE N < 3 ... END or LOOP ... "
+    "EXIT ... END for a condition when run"
 )
-_JUMPS = (
-    "no line is jumped to: lines that are used in several places stand in a SUB, which CALL carries out; "
-    "WHEN and REPEAT lead the way"
-)
+_JUMPS = "the language has no jumps: put repeated lines in a SUB for CALL, and branch by WHEN and REPEAT"
 
 INSTEAD = MappingProxyType(
     {

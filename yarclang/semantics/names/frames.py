@@ -29,8 +29,8 @@ def moving_frame(statement: Placed, frame: FrameName, scope: Scope, findings: Co
         return None
     if not found.on_flange:
         tools = [name for name in scope.frame_names() if (one := scope.frame(name)) and one.on_flange]
-        message = f"{frame.text} stands still: it can't be moved"
-        help_ = f"move one of {_listed(tools)}"
+        message = f"{frame.text} is fixed in the cell: it can't be the moving frame"
+        help_ = f"write one of {_listed(tools)}"
         findings.add("Y0303", message, statement.span(frame.place), help_, subject=Name(frame.name))
         return None
     return found
@@ -50,8 +50,8 @@ def base_axes(
     """
     found = known_frame(statement, frame, scope, findings)
     if found is not None and found.on_flange and not may_move:
-        message = f"{frame.text} moves with the robot: a pose can't be given in it"
-        help_ = "write {B}; DMOVE takes a base frame on the robot"
+        message = f"{frame.text} moves with the robot: it can't be the base frame of a pose"
+        help_ = "write a fixed frame, such as {B}; only DMOVE takes a base frame on the robot"
         findings.add("Y0303", message, statement.span(frame.place), help_, subject=Name(frame.name))
         return None
     return found
@@ -67,11 +67,11 @@ def known_frame(statement: Placed, frame: FrameName, scope: Scope, findings: Col
     today = _OLD_NAMES.get(frame.name)
     if today is not None and (found := scope.frame(today)) is not None:
         fix = Fix(f"write {{{today}}}", (Edit(span, f"{{{today}}}"),))
-        findings.add("Y0204", f"{frame.text} is today {{{today}}}", span, f"write {{{today}}}", fix)
+        findings.add("Y0204", f"{frame.text} is now called {{{today}}}", span, f"write {{{today}}}", fix)
         return found
     known = tuple(dict.fromkeys(scope.frame_names()))
     subject = unknown(frame.name, known)
-    help_ = f"{subject.question} there are the frames {_listed(known)}".lstrip()
+    help_ = f"{subject.question} the frames are {_listed(known)}".lstrip()
     findings.add("Y0301", f"no frame is named {frame.text}", span, help_, subject=subject)
     return None
 

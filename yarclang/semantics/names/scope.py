@@ -129,7 +129,8 @@ class Formula:
         scope: the names that the expression can use besides the parameters.
         weight: number of operations in one use, including those of the functions in it.
         depth: depth to which these operations are nested.
-        meaning: everything on which the values of the function depend, as a value that can be compared.
+        meaning: key that is equal for functions with equal values: it contains everything on which the values
+            depend.
     """
 
     parameters: tuple[tuple[str, Unit | None], ...]
@@ -330,12 +331,22 @@ class Scope:
                     self._places[name] = inner._places[name]
 
     def names(self, *kinds: type) -> list[str]:
-        """Return all names in scope that stand for objects of the given kinds."""
+        """Return all names in scope that stand for objects of the given kinds, without names of modules."""
         found: list[str] = []
         scope: Scope | None = self
         while scope is not None:
             found += [name for name, meaning in scope._names.items() if isinstance(meaning, kinds)]
             scope = scope._outer
+        return found
+
+    def names_with_modules(self, kind: type) -> list[str]:
+        """Return all names in scope that stand for objects of a kind, those of modules as MODULE.NAME."""
+        found = self.names(kind)
+        for module in self.names(Library):
+            library = self._own(module)
+            assert isinstance(library, Library)
+            inner = library.scope._names.items()
+            found += [f"{module}.{name}" for name, meaning in inner if isinstance(meaning, kind)]
         return found
 
     def frame_names(self) -> Iterator[str]:

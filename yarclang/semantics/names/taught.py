@@ -17,12 +17,14 @@ _NAME = re.compile(r"[A-Z_][A-Z0-9_]*")
 def taught_name(value: Value, scope: Scope, statement: Placed, findings: Collector) -> str | None:
     """Return the name under which JPOS or LPOS stores a place; None with a finding if the name is wrong.
 
-    The name may be that of joints or of a pose that the program declares: the stored value is then meant for
-    the next edit of this declaration. A name without a meaning becomes the name of a taught place.
+    If the program declares the name as a JOINTS or POSE, the declaration keeps its value: the stored value is
+    for a person who edits the declaration later. An undeclared name becomes the name of a taught place.
     """
     span = statement.span(value.place)
     if not isinstance(value, Word) or not _NAME.fullmatch(value.name) or value.name in RESERVED:
-        findings.add("Y0211", f"{value.text} is no name for a place", span, "for example JPOS FOUND_AT")
+        findings.add(
+            "Y0211", f"`{value.text}` can't be the name of a taught place", span, "for example JPOS FOUND_AT"
+        )
         return None
     if len(value.name) > LONGEST_NAME:
         message = f"the name of a place has at most {LONGEST_NAME} characters"
@@ -32,7 +34,7 @@ def taught_name(value: Value, scope: Scope, statement: Placed, findings: Collect
     if found is None:
         scope.declare(value.name, Taught())
     elif not isinstance(found, JointPosition | Pose | Taught):
-        message = f"{value.text} is {KINDS[type(found)]}, and no place can be kept under its name"
+        message = f"{value.text} is {KINDS[type(found)]}, and can't name a taught place too"
         findings.add("Y0209", message, span, "choose another name")
         return None
     return value.name

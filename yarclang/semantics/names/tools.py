@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
+from yarclang.cell.tools import NO_TOOL
 from yarclang.commands.spec import ToolChange
 from yarclang.diagnostics import Collector
 from yarclang.semantics.names.frames import Placed
 from yarclang.semantics.names.scope import KINDS, RackTool, Scope
 from yarclang.subjects import unknown
 from yarclang.syntax.ast import Value, Word
-
-NO_TOOL = "NONE"
-"""Word that is written instead of a tool's name if the flange is to be empty after the change."""
 
 
 def tool_named(value: Value, scope: Scope, statement: Placed, findings: Collector) -> ToolChange | None:
@@ -21,7 +19,7 @@ def tool_named(value: Value, scope: Scope, statement: Placed, findings: Collecto
     known = sorted(set(scope.names(RackTool)))
     if value.text.upper() == NO_TOOL and found is None and known:
         any_of = scope.name(known[0])
-        assert isinstance(any_of, RackTool)  # by these the names were chosen
+        assert isinstance(any_of, RackTool)  # `known` has only names of tools
         return ToolChange("", any_of.lock, 1.0 if any_of.locks_at == 0.0 else 0.0)
     span = statement.span(value.place)
     if found is not None:
@@ -34,7 +32,9 @@ def tool_named(value: Value, scope: Scope, statement: Placed, findings: Collecto
         else "declare it in the cell.toml, under [[tools]], and the changer's output with locks_at"
     )
     what = (
-        "no cell with tools is named" if value.text.upper() == NO_TOOL else f"no tool is named {value.text}"
+        'name a cell that has tools: CELL "cell.toml"'
+        if value.text.upper() == NO_TOOL
+        else f"no tool is named {value.text}"
     )
     findings.add("Y0210", what, span, help_, subject=subject)
     return None

@@ -32,7 +32,7 @@ class Amount:
             return self.value
         if self.unit.kind != unit.kind:
             raise AmountError(
-                "Y0307", f"{self} is {_a(self.unit.kind)}; {_a(unit.kind)} is wanted here", "check the unit"
+                "Y0307", f"{self} is {_a(self.unit.kind)}; {_a(unit.kind)} is needed here", "correct the unit"
             )
         return self.value * self.unit.factor / unit.factor
 
@@ -44,7 +44,9 @@ class Amount:
         """
         if self.unit is not None:
             raise AmountError(
-                "Y0307", f"{what} is a plain number; {self} has a unit", "divide it by 1 of its unit"
+                "Y0307",
+                f"{what} must be a plain number; {self} has a unit",
+                "divide it by 1 in its unit, for example / 1 (mm)",
             )
         return self.value
 
@@ -74,7 +76,7 @@ def missing_unit(kind: Kind, what: str) -> AmountError:
     return AmountError(
         "Y0304",
         f"{what} need{'' if what.endswith('s') else 's'} a unit of {kind}",
-        f"write one ({names}) in the line's units, or in DEFAULT",
+        f"write one ({names}) in round brackets in the line, such as (mm,deg,s), or once in DEFAULT above it",
         MissingUnit(kind, what),
     )
 
@@ -132,8 +134,8 @@ _COMPARED: dict[str, Callable[[float, float], bool]] = {
 
 
 def _together(operator: str, left: Amount, right: Amount) -> tuple[float, float, Unit | None]:
-    """Convert two numbers to a common unit: that of the left number, or else that of the right one. Return
-    both numbers and the unit.
+    """Convert two numbers to a common unit: the unit of the left number, or else the unit of the right
+    number. Return both numbers and the unit.
 
     Raises:
         AmountError: the units are of different kinds.
@@ -143,8 +145,8 @@ def _together(operator: str, left: Amount, right: Amount) -> tuple[float, float,
         return left.value, right.value, None
     if left.unit and right.unit and left.unit.kind != right.unit.kind:
         what = f"{operator}({left}, {right})" if operator.isalnum() else f"{left} {operator} {right}"
-        message = f"{what}: {_a(left.unit.kind)} and {_a(right.unit.kind)} don't go together"
-        raise AmountError("Y0307", message, "check the units")
+        message = f"{what}: {_a(left.unit.kind)} and {_a(right.unit.kind)} can't be combined"
+        raise AmountError("Y0307", message, "correct the units")
     return left.in_unit(unit), right.in_unit(unit), unit
 
 
@@ -152,28 +154,30 @@ def _product(operator: str, left: Amount, right: Amount) -> Amount:
     if operator == "**":
         if left.unit or right.unit:
             raise AmountError(
-                "Y0307", f"{left} ** {right}: powers are of plain numbers", "divide by 1 of the unit"
+                "Y0307",
+                f"{left} ** {right}: a power needs plain numbers",
+                "divide by 1 in its unit, for example / 1 (mm)",
             )
         try:
             power = math.pow(left.value, right.value)
         except (OverflowError, ValueError):
-            raise AmountError("Y0410", f"{left} ** {right} isn't a number that can be computed") from None
+            raise AmountError("Y0410", f"{left} ** {right} has no value, or is too large") from None
         return Amount(power)
     if left.unit and right.unit:
-        message = f"{left} * {right}: the language has no unit for that"
-        raise AmountError("Y0307", message, "one of both must be a plain number")
+        message = f"{left} * {right}: the language has no unit for this product"
+        raise AmountError("Y0307", message, "make one of the two a plain number")
     return Amount(left.value * right.value, left.unit or right.unit)
 
 
 def _quotient(operator: str, left: Amount, right: Amount) -> Amount:
     if right.value == 0.0:
-        raise AmountError("Y0410", f"{left} {operator} {right}: a division by zero")
+        raise AmountError("Y0410", f"{left} {operator} {right}: division by zero")
     if right.unit is None:
         value = left.value / right.value if operator == "/" else math.fmod(left.value, right.value)
         return Amount(value, left.unit)
     if left.unit is None:
         message = f"{left} {operator} {right}: a plain number can't be divided by {_a(right.unit.kind)}"
-        raise AmountError("Y0307", message, "check the units")
+        raise AmountError("Y0307", message, "correct the units")
     one, other, unit = _together(operator, left, right)
     return Amount(one / other) if operator == "/" else Amount(math.fmod(one, other), unit)
 
@@ -194,7 +198,7 @@ def function(name: str, arguments: tuple[Amount, ...]) -> Amount:
             one, other, _ = _together(name, first, arguments[1])
             return Amount(math.degrees(math.atan2(one, other)), UNITS["deg"])
         case "SQRT":
-            value = first.plain("what SQRT is taken of")
+            value = first.plain("the argument of SQRT")
             if value < 0.0:
                 raise AmountError("Y0410", f"SQRT({first}): a negative number has no square root")
             return Amount(math.sqrt(value))

@@ -52,10 +52,14 @@ def condition_of(expression: Expression, scope: Scope) -> Value:
     """
     value = _value(expression, scope)
     if all(isinstance(one, Constant) for one in leaves(value)):
-        message = "nothing in this condition changes while the program runs"
-        raise EvaluationError(expression.place, "Y0430", message, "IF decides it when compiled")
+        message = "this condition has no register or input: it can't change while the program runs"
+        raise EvaluationError(
+            expression.place, "Y0430", message, "use IF, which is decided when the program is compiled"
+        )
     if not is_condition(value):
-        raise EvaluationError(expression.place, "Y0430", "this is a number, not a condition", _EXAMPLE)
+        raise EvaluationError(
+            expression.place, "Y0430", "this is a number, and a condition is needed", _EXAMPLE
+        )
     return value
 
 
@@ -67,16 +71,16 @@ def number_of(expression: Expression, scope: Scope) -> Value:
     """
     value = _value(expression, scope)
     if is_condition(value):
-        help_ = "WHEN decides by a condition; SET gives a register a number"
-        raise EvaluationError(expression.place, "Y0430", "this is a condition, not a number", help_)
+        help_ = "use WHEN for a condition; SET needs a number"
+        raise EvaluationError(expression.place, "Y0430", "this is a condition, and a number is needed", help_)
     return value
 
 
 def _value(expression: Expression, scope: Scope) -> Value:
     value = _part(expression, scope, 0)
     if sum(1 for _ in leaves(value)) > MOST_LEAVES:
-        message = f"more than {MOST_LEAVES} registers, inputs and numbers stand in one expression"
-        raise EvaluationError(expression.place, "Y0430", message, "compute it in several steps, with SET")
+        message = f"an expression may have at most {MOST_LEAVES} registers, inputs and numbers"
+        raise EvaluationError(expression.place, "Y0430", message, "compute it in several steps by SET")
     return value
 
 
@@ -90,8 +94,8 @@ def _part(expression: Expression, scope: Scope, depth: int) -> Value:
         depth: number of operations around the subexpression.
     """
     if depth > DEEPEST:
-        message = f"more than {DEEPEST} operations stand inside each other"
-        raise EvaluationError(expression.place, "Y0430", message, "compute it in several steps, with SET")
+        message = f"an expression may have at most {DEEPEST} nested operations"
+        raise EvaluationError(expression.place, "Y0430", message, "compute it in several steps by SET")
     if not isinstance(expression, Name) and not _decides(expression, scope):
         return _known(expression, scope)
     match expression:
@@ -111,20 +115,22 @@ def _part(expression: Expression, scope: Scope, depth: int) -> Value:
             return _between("DIV", quotient, scope, depth)
         case Binary(operator=operator):
             if operator in ("/", "**"):
-                _refuse(expression, f"{operator} isn't computed when the program runs")
+                _refuse(expression, f"{operator} can't be computed while the program runs")
             return _between("MOD" if operator == "%" else operator, expression, scope, depth)
         case Element():
-            message = f"which number of {expression.table.text} it is isn't decided when the program runs"
-            raise EvaluationError(expression.place, "Y0430", message, "CASE chooses among ways")
+            message = f"the index of {expression.table.text} must be known when compiled"
+            raise EvaluationError(
+                expression.place, "Y0430", message, "to choose when the program runs, use CASE"
+            )
         case Applied(function=function):
-            _refuse(expression, f"{function.text} isn't computed when the program runs")
+            _refuse(expression, f"{function.text} can't be computed while the program runs")
         case Function():
-            _refuse(expression, f"{expression.name} isn't computed when the program runs")
+            _refuse(expression, f"{expression.name} can't be computed while the program runs")
     raise AssertionError(expression)  # numbers are handled by `_known` above
 
 
 def _refuse(expression: Expression, message: str) -> NoReturn:
-    help_ = "there are + - * %, FLOOR(a / b), comparisons, AND, OR and NOT"
+    help_ = "use + - * %, FLOOR(a / b), comparisons, AND, OR and NOT"
     raise EvaluationError(expression.place, "Y0430", message, help_)
 
 
@@ -135,7 +141,7 @@ def _between(operator: str, expression: Binary, scope: Scope, depth: int) -> Val
     for value, said in ((left, expression.left), (right, expression.right)):
         _check(value, said, wants_condition=operator in CONNECTIVES)
         if operator in ARITHMETIC and isinstance(value, Constant) and not value.number.is_integer():
-            _refuse(said, f"{value.number:.15g} is no integer")
+            _refuse(said, f"{value.number:.15g} isn't an integer")
     return Between(operator, left, right)
 
 
@@ -151,7 +157,7 @@ def _in_steps(operator: str, expression: Binary, scope: Scope) -> Value | None:
         return None
     if left is not None and right is not None:
         if left.step != right.step:
-            message = "two analogue inputs with other steps can't be compared"
+            message = "two analogue inputs with different steps can't be compared"
             raise EvaluationError(expression.place, "Y0472", message, "compare each of them with a number")
         return Between(operator, _read(left), _read(right))
     analogue, number, said = (
@@ -163,7 +169,8 @@ def _in_steps(operator: str, expression: Binary, scope: Scope) -> Value | None:
     assert analogue.step is not None
     if _decides(number, scope):
         message = (
-            f"{analogue.signal.name} is analogue, and is compared with a number that is known when compiled"
+            f"{analogue.signal.name} is analogue: it can be compared only with a number that is known when "
+            "compiled"
         )
         raise EvaluationError(expression.place, "Y0472", message, _ANALOGUE)
     try:
@@ -177,11 +184,11 @@ def _read(found: Input) -> InputValue:
     return InputValue(found.signal.variable, found.signal.name)
 
 
-_ANALOGUE = "write PRESSURE > 4.5; a register gets no analogue value"
+_ANALOGUE = "write a comparison such as PRESSURE > 4.5; a register can't hold an analogue value"
 
 
 def _analogue(expression: Expression, scope: Scope) -> Input | None:
-    """Return the analogue input that one side of a comparison names; None for any other side."""
+    """Return the analogue input that one side of a comparison names; None if this side names none."""
     while isinstance(expression, Bracket):
         expression = expression.inner
     found = scope.name(expression.name) if isinstance(expression, Name) else None
@@ -191,15 +198,19 @@ def _analogue(expression: Expression, scope: Scope) -> Input | None:
 def _check(value: Value, expression: Expression, *, wants_condition: bool) -> None:
     is_known = isinstance(value, Constant) and value.number in (0.0, 1.0)
     if wants_condition and not is_condition(value) and not is_known:
-        raise EvaluationError(expression.place, "Y0430", "this is a number, not a condition", _EXAMPLE)
+        raise EvaluationError(
+            expression.place, "Y0430", "this is a number, and a condition is needed", _EXAMPLE
+        )
     if not wants_condition and is_condition(value):
         raise EvaluationError(
-            expression.place, "Y0430", "this is a condition, not a number", "take the brackets away"
+            expression.place, "Y0430", "this is a condition, and a number is needed", "remove the brackets"
         )
 
 
 def _decides(expression: Expression, scope: Scope) -> bool:
-    """Return True if an expression contains ON, OFF, or a name whose value isn't a number at compile time."""
+    """Return True if an expression contains ON, OFF, or a name that doesn't stand for a number at compile
+    time.
+    """
     if isinstance(expression, Name):
         return expression.name in _STATES or not isinstance(scope.name(expression.name), Amount)
     if isinstance(expression, Applied):
@@ -217,7 +228,7 @@ def _named(name: Name, scope: Scope) -> Value:
             return RegisterValue(register)
         case Input(signal=signal, step=step):
             if step is not None:
-                message = f"{name.text} is analogue: it stands beside a comparison alone"
+                message = f"{name.text} is analogue: it must be alone on one side of a comparison"
                 raise EvaluationError(name.place, "Y0472", message, _ANALOGUE)
             return InputValue(signal.variable, signal.name)
         case Amount() as found:
@@ -243,11 +254,13 @@ def _known(expression: Expression, scope: Scope) -> Constant:
 
 def _plain(found: Amount, expression: Expression) -> Constant:
     if found.unit is not None:
-        message = f"{found} has a unit, and registers and inputs have none"
+        message = f"{found} has a unit, but registers and inputs have none"
         raise EvaluationError(expression.place, "Y0307", message, "write a plain number")
     number = round(found.value, DECIMALS) + 0.0
     if not is_printed(found.value):
-        message = f"{found.value:.15g} has more than {DECIMALS} decimals, and a text has no more"
+        message = (
+            f"{found.value:.15g} has more than {DECIMALS} decimals, more than the controller's text can have"
+        )
         raise EvaluationError(expression.place, "Y0434", message, f"round it: {number:.15g}")
     if abs(number) > LARGEST:
         raise EvaluationError(expression.place, "Y0403", f"{number:,.0f} is beyond {LARGEST:,}")

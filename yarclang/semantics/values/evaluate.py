@@ -16,7 +16,7 @@ from yarclang.units import UNITS
 
 LARGEST_NUMBER = 1e9
 
-AT_RUN_TIME = "its value is known only when the program runs: WHEN, CASE and SET can use it"
+AT_RUN_TIME = "its value is known only when the program runs: use it in WHEN, CASE or SET"
 """Help text of the finding that an expression for compile time uses a register or an input."""
 
 
@@ -94,7 +94,7 @@ def named(name: Name, scope: Scope) -> Amount:
     """Return the number that a name stands for.
 
     Raises:
-        EvaluationError: the name is unknown, or isn't that of a number.
+        EvaluationError: the name is unknown, or doesn't stand for a number.
     """
     if name.name == "PI":
         return Amount(math.pi)
@@ -105,7 +105,7 @@ def named(name: Name, scope: Scope) -> Amount:
         help_ = AT_RUN_TIME if isinstance(found, Register | Input) else ""
         if isinstance(found, Table):
             first = f"{name.text}[{', '.join('0' * len(found.sizes))}]"
-            help_ = f"{first} is its first number; outside of expressions it is written $({first})"
+            help_ = f"{first} is its first number; outside of expressions write $({first})"
         if isinstance(found, Formula):
             help_ = f"write {name.text}({', '.join(one for one, _ in found.parameters)})"
         raise EvaluationError(
@@ -118,21 +118,21 @@ def named(name: Name, scope: Scope) -> Amount:
 
 
 def table_of(element: Element, scope: Scope) -> Table:
-    """Return the table that an element such as `T[2]` is taken from.
+    """Return the table to which an element such as `T[2]` belongs.
 
     Raises:
-        EvaluationError: there is no such table, or it takes another number of indices.
+        EvaluationError: there is no such table, or the number of indices is wrong.
     """
     name, found = element.table, scope.name(element.table.name)
     if isinstance(found, Places):
-        message = f"{name.text} has poses or joint positions, and no numbers"
-        help_ = f"$({name.text}[0]) stands alone for a way-point"
+        message = f"{name.text} is a table of poses or joint positions, not of numbers"
+        help_ = f"write $({name.text}[0]) as the whole waypoint"
         raise EvaluationError(name.place, "Y0209", message, help_)
     if not isinstance(found, Table):
         known = sorted(set(scope.names(Table)))
         if found is not None:
             message = f"{name.text} is {KINDS[type(found)]}, not a table"
-            raise EvaluationError(name.place, "Y0209", message, "only a table has an index")
+            raise EvaluationError(name.place, "Y0209", message, "remove the index: only tables have one")
         subject = unknown(name.text, known)
         help_ = subject.question or (f"there are {', '.join(known[:8])}" if known else "declare it by TABLE")
         raise EvaluationError(name.place, "Y0210", f"no table is named {name.text}", help_, subject)
@@ -156,8 +156,8 @@ def is_place(expression: Expression, scope: Scope) -> bool:
 
 
 def place_named(expression: Expression, scope: Scope) -> Pose | JointPosition | None:
-    """Return the pose or joint position in a table that an expression such as `SPOTS[2]` means; None for any
-    other expression.
+    """Return the pose or joint position of a table to which an expression such as `SPOTS[2]` refers; None for
+    any other expression.
 
     Raises:
         EvaluationError: the table has no such element.
@@ -172,7 +172,7 @@ def place_named(expression: Expression, scope: Scope) -> Pose | JointPosition | 
 
 
 def _element(element: Element, scope: Scope) -> Amount:
-    """Return the number in a table that an expression such as `T[2]` means.
+    """Return the number of a table to which an expression such as `T[2]` refers.
 
     Raises:
         EvaluationError: there is no such table or element.
@@ -191,17 +191,20 @@ def formula_of(applied: Applied, scope: Scope) -> Formula:
     """Return the FUNC that an expression calls.
 
     Raises:
-        EvaluationError: there is no such function, or it takes another number of arguments.
+        EvaluationError: there is no such function, or the number of arguments is wrong.
     """
     name, found, given = applied.function, scope.name(applied.function.name), len(applied.arguments)
     if not isinstance(found, Formula):
         if all(isinstance(one, Name) and one.text.lower() in UNITS for one in applied.arguments):
-            message = f"only a number can be followed by a unit; {name.text} has the unit of its declaration"
-            help_ = "take the bracket away, or write the number: 60 (mm)"
+            message = f"`{name.text}` can't be followed by a unit: it has the unit of its declaration"
+            help_ = "remove the bracket, or write a number: 60 (mm)"
             raise EvaluationError(name.place, "Y0109", message, help_)
         subject = unknown(name.text, [*FUNCTIONS, *sorted(set(scope.names(Formula)))])
         is_ = "" if found is None else f": {name.text} is {KINDS[type(found)]}"
-        help_ = subject.question or f"the functions are {' '.join(FUNCTIONS)}, and those of FUNC above it"
+        help_ = (
+            subject.question
+            or f"the functions are {' '.join(FUNCTIONS)}, and those declared by FUNC above this line"
+        )
         raise EvaluationError(name.place, "Y0109", f"no function is named {name.text}{is_}", help_, subject)
     if given != (wanted := len(found.parameters)):
         message = (
@@ -239,11 +242,12 @@ def _index(index: Expression, amount: Amount, size: int, name: Name, what: str) 
     near = round(value)
     # 0.3/0.1 is 2.9999999999999996: tolerate rounding errors.
     if abs(value - near) > _ROUNDING:
-        message = f"the index of {name.text} is {value:.10g}, and an index is an integer"
-        raise EvaluationError(index.place, "Y0457", message, "FLOOR(...) rounds down")
+        message = f"the index of {name.text} is {value:.10g}, and an index must be an integer"
+        raise EvaluationError(index.place, "Y0457", message, "round it down by FLOOR(...)")
     if not 0 <= near < size:
-        message = f"{name.text} has no {what} {near}: it has {size} {what}{'s' * (size > 1)}, counted from 0"
-        help_ = f"the last is {size - 1}" if size > 1 else "the only one is 0"
+        count = f"{size} {what}{'s' * (size > 1)}"
+        message = f"{name.text} has no {what} {near}: it has {count}, and indices begin with 0"
+        help_ = f"use an index from 0 to {size - 1}" if size > 1 else "the only index is 0"
         raise EvaluationError(index.place, "Y0456", message, help_)
     return near
 

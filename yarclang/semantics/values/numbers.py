@@ -1,4 +1,4 @@
-"""Convert the values of a way-point to SI: from mm and deg to m and rad."""
+"""Convert the values of a waypoint to SI: from mm and deg to m and rad."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from yarclang.units import Kind, Unit
 
 
 def numbers_of(line: Line, waypoint: WayPoint, number: int, values: Values) -> Array | None:
-    """Return the values of a way-point in SI; None with findings if they have errors.
+    """Return the values of a waypoint in SI; None with findings if they have errors.
 
     Args:
         line: the command.
-        waypoint: the way-point.
+        waypoint: the waypoint.
         number: its number, from 1.
         values: the kind of its values.
     """
@@ -31,10 +31,10 @@ def numbers_of(line: Line, waypoint: WayPoint, number: int, values: Values) -> A
         if fault is not None:
             code, message, help_ = fault
             if isinstance(value, Word) and isinstance(line.scope.name(value.name), JointPosition):
-                help_ = f"{value.name} is a joint position: MOVEJ goes there"
+                help_ = f"{value.name} is a joint position: write it alone after MOVEJ"
             elif isinstance(value, Word) and isinstance(line.scope.name(value.name), Pose):
                 help_ = (
-                    f"{value.name} is a pose: its name stands alone for a way-point, as in MOVEL {value.name}"
+                    f"{value.name} is a pose: write its name as the whole waypoint, as in MOVEL {value.name}"
                 )
             elif isinstance(value, Word) and isinstance(line.scope.name(value.name), Amount):
                 help_ = f"write ${value.name} for its value"
@@ -44,7 +44,7 @@ def numbers_of(line: Line, waypoint: WayPoint, number: int, values: Values) -> A
         return None
     if len(waypoint.values) != len(labels):
         many = len(line.statement.waypoints) > 1
-        which = f"way-point {number} of {line.name.spec.name}" if many else line.name.full
+        which = f"waypoint {number} of {line.name.spec.name}" if many else line.name.full
         given = len(waypoint.values)
         difference = len(labels) - given
         help_ = (
@@ -53,7 +53,7 @@ def numbers_of(line: Line, waypoint: WayPoint, number: int, values: Values) -> A
             else _surplus(waypoint.values[len(labels) :])
         )
         verb = "is" if given == 1 else "are"
-        message = f"{which} wants {len(labels)} values ({' '.join(labels)}), {given} {verb} given"
+        message = f"{which} takes {len(labels)} values ({' '.join(labels)}), {given} {verb} given"
         surplus = waypoint.values[len(labels) :]
         place = from_to(surplus[0].place, surplus[-1].place) if surplus else waypoint.place
         line.findings.add("Y0401", message, line.statement.span(place), help_)
@@ -64,11 +64,11 @@ def numbers_of(line: Line, waypoint: WayPoint, number: int, values: Values) -> A
 
 
 def _surplus(values: tuple[Value, ...]) -> str:
-    """Return the help text about values after the last one that a way-point takes."""
+    """Return the help text about surplus values: those after the last value that a waypoint takes."""
     if len(values) > 1:
-        return f"take the last {len(values)} away"
+        return f"remove the last {len(values)}"
     text = values[0].text
-    return f"take {text} away, or write [{text}] if it is the motion time"
+    return f"remove {text}, or write [{text}] if it is the motion time"
 
 
 def _in_si(line: Line, waypoint: WayPoint, kinds: tuple[Kind | None, ...]) -> Array | None:
@@ -117,7 +117,7 @@ def _computed(line: Line, value: Value, kind: Kind | None, unit: Unit | None) ->
             return found.in_unit(unit) * unit.factor
         if found.unit is not None:
             if found.unit.kind != kind:
-                raise AmountError("Y0307", f"{found} is of the wrong kind: this place takes {WHAT[kind]}")
+                raise AmountError("Y0307", f"{found} is of the wrong kind: this value must be {WHAT[kind]}")
             return found.value * found.unit.factor
     except AmountError as error:
         line.findings.add_error(error, span)

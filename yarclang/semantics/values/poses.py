@@ -16,8 +16,8 @@ from yarclang.transforms import QUATERNION_TOLERANCE, constant, quaternion_rotat
 
 
 def check_limits(robot: Robot, q: Array, findings: Collector, span: Span) -> None:
-    """Add a finding if a joint is outside its limits; of several joints, for the one that is farthest
-    outside.
+    """Add a finding if a joint is outside its limits. If several joints are, the finding is about the one
+    that is farthest outside.
 
     Args:
         robot: the robot.
@@ -39,8 +39,8 @@ def check_limits(robot: Robot, q: Array, findings: Collector, span: Span) -> Non
     others = int(np.count_nonzero(excess > 1e-9)) - 1
     more = f" ({others} other joint{'s are' if others > 1 else ' is'} out too)" if others else ""
     message = (
-        f"{robot.joint_names[joint]} at {q[joint] / robot.axis_units[joint]:.6g} {unit} is out of its limits "
-        f"by {excess[joint]:.4g} {unit}{more}"
+        f"{robot.joint_names[joint]} at {q[joint] / robot.axis_units[joint]:.6g} {unit} is outside its "
+        f"limits by {excess[joint]:.4g} {unit}{more}"
     )
     help_ = f"{robot.joint_names[joint]} goes from {lower:.6g} to {upper:.6g} {unit}"
     turned = np.where(robot.chain.is_prismatic, q, np.radians(q))
@@ -69,11 +69,11 @@ def _unit_quaternion(numbers: Array, norm: float) -> str:
 def rotation_of(
     values: Values, numbers: Array, findings: Collector, span: Callable[[], Span]
 ) -> Array | None:
-    """Return the rotation matrix (3, 3) for the orientation in a way-point; None with a finding if a
+    """Return the rotation matrix (3, 3) for the orientation in a waypoint; None with a finding if a
     quaternion's norm isn't 1.
 
     Args:
-        values: the kind of the way-point's values: with a quaternion or with angles.
+        values: the kind of the waypoint's values: with a quaternion or with angles.
         numbers: (3,) roll pitch yaw [rad], or (4,) quaternion x y z w.
         findings: receives the finding.
         span: function that returns the place of the finding; called only if it is needed.

@@ -1,5 +1,5 @@
-"""Convert values of analogue signals, each of which is a group of bits with a number of steps of a physical
-value.
+"""Convert values of analogue signals. The bits of such a signal hold an integer, the number of steps. The
+physical value is this number times the size of one step.
 
 Values that are known at compile time are converted exactly; the runtime and the certificate see only
 integers.
@@ -15,7 +15,7 @@ _MIRRORED = {"<": ">", "<=": ">=", ">": "<", ">=": "<="}
 
 
 def mirrored(operator: str) -> str:
-    """Return the equivalent comparison operator for exchanged sides."""
+    """Return the comparison operator that is equivalent after both sides are exchanged, such as > for <."""
     return _MIRRORED.get(operator, operator)
 
 
@@ -35,8 +35,8 @@ def steps_of(number: float, step: float, name: str) -> float:
         return float(steps)
     below = steps.numerator // steps.denominator
     nearest = " and ".join(f"{float(count * _exact(step)):.10g}" for count in (below, below + 1))
-    message = f"{name} goes in steps of {step:.10g}, and is never {number:.10g}"
-    raise AmountError("Y0472", message, f"the nearest are {nearest}")
+    message = f"{name} has steps of {step:.10g}, and can't be {number:.10g}"
+    raise AmountError("Y0472", message, f"the nearest possible values are {nearest}")
 
 
 def compared(operator: str, number: float, step: float, name: str) -> tuple[str, float]:

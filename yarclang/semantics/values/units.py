@@ -31,9 +31,7 @@ def resolve_units(
     if units is None:
         return found
     if not units.items:
-        findings.add(
-            "Y0305", "no unit stands between the brackets", statement.span(units.place), "write (mm,deg,s)"
-        )
+        findings.add("Y0305", "the brackets have no unit", statement.span(units.place), "write (mm,deg,s)")
         return None
     for item in units.items:
         unit, span = UNITS.get(item.text.lower()), statement.span(item.place)
@@ -42,7 +40,7 @@ def resolve_units(
             return None
         if unit.kind in found:
             message = f"{found[unit.kind].name} and {unit.name} are both units of {unit.kind}"
-            findings.add("Y0306", message, span, "leave one of them")
+            findings.add("Y0306", message, span, "remove one of them")
             return None
         found[unit.kind] = unit
     return found
@@ -67,9 +65,9 @@ def number_fault(item: Value) -> tuple[str, str, str] | None:
     if isinstance(item, Computed):
         return None
     text = item.text if len(item.text) <= 40 else item.text[:40] + "…"
-    help_ = "numbers look like 30, -0.5, 1e-3; blanks stand between them"
+    help_ = "numbers look like 30, -0.5, 1e-3; with blanks between them"
     if "," in item.text:
-        help_ = "the decimal sign is a point; blanks stand between numbers"
+        help_ = "write a decimal point, and blanks between numbers"
     return "Y0402", f"`{text}` is not a number", help_
 
 

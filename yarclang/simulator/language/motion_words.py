@@ -1,5 +1,5 @@
-"""Parser of the statements that only motion programs and rotaries have: moves, modes, pauses, jumps (TSRM
-421-424 and index).
+"""Parser of the statements that only motion programs and rotaries may contain: moves, modes, pauses, jumps
+(TSRM 421-424 and index).
 """
 
 from __future__ import annotations
@@ -79,8 +79,8 @@ def motion_word(reader: Reader) -> Statement | None:
 
 
 def _with_arguments(reader: Reader, jump: Jump) -> Jump:
-    """Read the arguments after a subprogram call, which are letters with data (for READ). They have no
-    effect.
+    """Read and ignore the arguments after a subprogram call: letters with data, which a READ in the
+    subprogram would fetch.
     """
     while not reader.ended and reader.rest[0].isalpha() and not reader.match(_ASSIGNED):
         here = reader.at

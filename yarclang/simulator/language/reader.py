@@ -51,14 +51,16 @@ class Reader:
         return self.text[self.at :]
 
     def takes(self, word: str) -> bool:
-        """Read `word` if it is next; return True if it was."""
+        """Read `word` if it is next. Return True if it was."""
         if self.text.startswith(word, self.at):
             self.at += len(word)
             return True
         return False
 
     def match(self, pattern: re.Pattern[str]) -> re.Match[str] | None:
-        """Read text that matches the pattern here, and return the match; None if nothing matches."""
+        """Read the text at the position if it matches the pattern, and return the match; None if it doesn't
+        match.
+        """
         found = pattern.match(self.text, self.at)
         if found:
             self.at = found.end()
@@ -133,7 +135,7 @@ class Reader:
         return float(self.whole())
 
     def expression(self) -> Expression:
-        """Read a sum of products; * / % & bind tighter than + - | ^ (PUM 233)."""
+        """Read an expression; * / % & bind tighter than + - | ^ (PUM 233)."""
         self._deeper()
         result = self._product()
         while (sign := self._next()) and sign in "+-|^":

@@ -33,7 +33,7 @@ class Mode:
 
 @dataclass(frozen=True, slots=True)
 class Attribute:
-    """TM, TA, TS [ms] or F."""
+    """A setting for later moves: TM, TA or TS [ms], or F."""
 
     name: str
     value: Data
@@ -176,8 +176,8 @@ _NOT_IN_ROTARY = ("ELSE", "ENDIF", "ENDWHILE", "WAIT", "RETURN")
 
 
 def cost(statement: Statement) -> int:
-    """Return the number of words that a statement takes in a buffer: 1 per value (TUM 337), 1 per keyword
-    (assumed).
+    """Return the number of words of memory that a statement takes in a buffer: 1 per value (TUM 337), 1 per
+    keyword (assumed).
     """
     match statement:
         case Move(words=words):

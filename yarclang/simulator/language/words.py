@@ -27,7 +27,7 @@ from yarclang.simulator.language.statements import (
 from yarclang.simulator.network.reply import Refusal
 
 _PLAIN_NUMBER = r"[+-]?(?:\d{1,20}(?:\.\d{0,20})?|\.\d{1,20})"
-"""Pattern of a number whose value and length are certainly allowed."""
+"""Pattern of a number that needs no further check of its value and length."""
 _SIMPLE_MOVE = re.compile(rf"(?:[A-CU-Z]{_PLAIN_NUMBER})+\Z")
 _AXIS_WORD = re.compile(rf"([A-CU-Z])({_PLAIN_NUMBER})")
 _ASSIGNMENT = re.compile(r"(?=[IPQM](?:\d+(?:\.\.\d+)?|\(.*?\)+)(?:[&|^=]?=))([IPQM])")
@@ -60,8 +60,8 @@ def cleaned(line: str) -> str:
 
 
 def simple_move(text: str) -> Move | None:
-    """Return the move in a line that consists of axis letters with constants, as most lines do; None for
-    other lines.
+    """Return the move in a line that consists of axis letters with constants, as most lines do. Return None
+    for all other lines.
     """
     if not _SIMPLE_MOVE.match(text):
         return None

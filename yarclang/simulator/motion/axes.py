@@ -89,11 +89,11 @@ class Axes:
         return counts
 
     def matched(self, counts: Array, axes: Array) -> Array:
-        """Return the axis positions (9,) that give motor positions, as PMATCH does.
+        """Return the axis positions (9,) that correspond to motor positions, as PMATCH does.
 
         Args:
             counts: (n,) motor positions [counts].
-            axes: (9,) current axis positions; axes without a motor keep them.
+            axes: (9,) current axis positions, which axes without a motor keep.
         """
         used = np.flatnonzero(np.any(self.matrix != 0.0, axis=0))
         result = axes.copy()
@@ -107,7 +107,7 @@ class Axes:
 
 
 def axes_of(definitions: Sequence[tuple[int, AxisDefinition]]) -> Axes:
-    """Return the axes of motors and their definitions, in the order given."""
+    """Combine the axis definitions of motors, given with the motors' numbers, in the given order."""
     matrix = np.zeros((len(definitions), len(AXES)))
     offset = np.zeros(len(definitions))
     for row, (_, item) in enumerate(definitions):

@@ -15,8 +15,8 @@ from yarclang.simulator.motion.pieces import Array, Motion, Piece, Standing, Tra
 from yarclang.simulator.motion.timebase import TimeMap, slew
 
 _PIECES = 4
-"""Number of pieces of a spline motion that depend on one control point. After a piece on which a motor may
-trip, as many pieces are examined.
+"""Number of pieces of a spline motion that depend on one control point. If a motor may trip on a piece, this
+number of pieces is examined from that piece on.
 """
 
 
@@ -38,8 +38,8 @@ class Surroundings(Protocol):
 
 
 class Watch:
-    """Finds the pieces of a motion on which motors of a coordinate system trip (stop at a limit or by a
-    following error). Simple bounds exclude most pieces quickly.
+    """Finds the pieces of a motion on which motors of a coordinate system trip: a limit or a following error
+    stops them. Simple bounds exclude most pieces quickly.
     """
 
     def __init__(self, motors: list[Motor]) -> None:
@@ -66,7 +66,7 @@ class Watch:
         return first_trip(piece, self.motors)
 
     def _bound(self) -> tuple[Array, Array, Array]:
-        """Return bounds within which no motor trips, as (n,) each: least and largest position [counts],
+        """Return bounds within which no motor trips, as (n,) each: smallest and largest position [counts],
         largest speed [counts/s].
         """
         limits = [motor.limits() for motor in self.motors]
@@ -85,7 +85,7 @@ class Watch:
 
 class Drive:
     """Executes pieces of motion with the motors of coordinate system `number`. The commands %, H and R set
-    the rate.
+    the rate of the time base.
 
     Attributes:
         motors: motors of the coordinate system, in the order of their numbers.
@@ -94,8 +94,9 @@ class Drive:
         piece: the piece that is executed; None if there is none.
         begin: start of that piece in program time [s].
         end: positions of the motors after the last piece (n,) [counts].
-        held: True in a hold (H), and while the motors slow down for it.
-        held_at: positions at which the motors came to rest in a hold (n,) [counts]; None before.
+        held: True in a hold (H), also while the motors slow down for it.
+        held_at: positions at which the motors came to rest in a hold (n,) [counts]; None before they
+            rest.
     """
 
     def __init__(self, number: int, variables: list[float], outside: Surroundings) -> None:
@@ -151,7 +152,9 @@ class Drive:
     # pieces
 
     def start_here(self) -> None:
-        """Let the next piece begin at the motors' positions, unless they come from another piece."""
+        """Let the next piece begin at the motors' present positions, unless this drive already moves all
+        motors. A motor at rest, or with a motion of its own, may have left the end of the last piece.
+        """
         if any(motor.driver is None or motor.driver[0] is not self for motor in self.motors):
             self.end = self.places()
             self.begin = self.map.program_time(self._outside.now)
@@ -167,20 +170,20 @@ class Drive:
         self._outside.changed(self.motors)
 
     def _take(self) -> None:
-        """Let the motors follow the motion of the current piece."""
+        """Connect the motors to this drive, so that they follow the current piece."""
         if self.piece is not None:
             for index, motor in enumerate(self.motors):
                 motor.profile = motor.trip = None
                 motor.driver = self, index
 
     def _time(self) -> None:
-        """Compute the time at which the current piece ends, and the time at which a motor trips on it."""
+        """Compute the times at which the current piece ends, and at which a motor trips on it."""
         if self.piece is not None:
             self._ends_at = self.map.instant(self.begin + self.piece.duration)
             self._trips_at = math.inf if self._trip is None else self.map.instant(self.begin + self._trip[0])
 
     def stand(self) -> None:
-        """Stop the motors at `end`, without a piece."""
+        """Leave the motors at rest at `end`. There is no current piece any more."""
         self._forget()
         for motor, place in zip(self.motors, self.end, strict=True):
             if motor.driver is not None and motor.driver[0] is self:
@@ -189,8 +192,8 @@ class Drive:
         self._outside.changed(self.motors)
 
     def leave(self) -> None:
-        """Stop moving the motors, so that another motion may use them. A hold ends, and the time base returns
-        to the override.
+        """Stop moving the motors, so that another motion may use them. A hold ends, and the rate of the time
+        base becomes the override.
         """
         self._forget()
         self.held, self.held_at = False, None
@@ -239,7 +242,7 @@ class Drive:
             self._outside.changed(self.motors)
 
     def _stand_held(self) -> None:
-        """Record that the motors have come to rest in a hold. They may be jogged away from now on."""
+        """Record that the motors have come to rest in a hold. From now on, they may be jogged."""
         self.held_at = self.places()
         if self.piece is not None:
             for motor in self.motors:
@@ -256,7 +259,7 @@ class Drive:
         return when
 
     def handle(self) -> bool:
-        """Handle the events that are due. Return True if the present piece has ended, so that another may
+        """Handle the events that are due. Return True if the current piece has ended, so that another may
         begin.
         """
         now = self._outside.now

@@ -1,7 +1,7 @@
-"""A motor: its commanded and actual position, and the motions outside a program (jog, home, abort).
+"""A motor: its commanded and its actual position, and its motions outside a program (jog, home, abort).
 
-The motor follows with a lag: its following error is the commanded velocity times `LAG`, plus a `disturbance`.
-At rest, without a disturbance, it stands at its commanded position.
+The actual position lags behind: the following error is the commanded velocity times `LAG`, plus a
+`disturbance`. At rest and without a disturbance, the actual position is the commanded one.
 """
 
 from __future__ import annotations
@@ -24,16 +24,16 @@ from yarclang.simulator.motion.pieces import (
 )
 
 LAG = 0.5e-3
-"""Following error divided by velocity [s]: about one servo cycle, as with feedforward (assumed)."""
+"""Following error divided by velocity [s]. It is about one servo cycle, as with feedforward (assumed)."""
 
 WATCHED = frozenset({11, 13, 14})
-"""Numbers of the Ixx whose change may trip a motor. Ixx24 isn't one of them: it is read when a limit switch
-changes.
+"""Numbers of the Ixx whose change may make a motor trip. Ixx24 isn't one of them, since it is read only when
+a limit switch changes.
 """
 
 
 class Driver(Protocol):
-    """The drive of a coordinate system, which moves a motor together with the others."""
+    """The drive of a coordinate system, which moves a motor together with the other motors of the system."""
 
     @property
     def motion(self) -> Motion:
@@ -46,16 +46,17 @@ class Driver(Protocol):
 
 
 class Motor:
-    """One motor. Jogs, home searches and aborts are its own motions; its coordinate system's drive executes
-    the others.
+    """One motor. Jogs, home searches and aborts are its own motions; the drive of its coordinate system
+    executes all others.
 
     Attributes:
         number: 1 to 32.
         variables: all I-variables.
         under_way: all motors with a motion of their own, by number.
-        stand: commanded position without a motion [counts].
-        profile: motion of its own: jog, home or abort.
-        driver: drive of the coordinate system that moves this motor, and the motor's index there.
+        stand: commanded position at rest [counts].
+        profile: the motor's own motion: jog, home or abort; None without one.
+        driver: drive of the coordinate system that moves this motor, and the motor's index in the drive;
+            None without one.
         closed: True in closed loop.
         enabled: True if the amplifier is enabled.
         homed: True after a home search.
@@ -68,7 +69,7 @@ class Motor:
         disturbance: distance at which the motor is kept from its commanded position [counts].
         switches: states of the limit switches, by side (+1, -1).
         before_jog: position before the last jog [counts].
-        trip: time at which the motor trips in its own motion [s], and the cause.
+        trip: time at which the motor trips in its own motion [s], and the cause; None if it doesn't.
     """
 
     def __init__(self, number: int, variables: list[float], under_way: dict[int, Motor]) -> None:
@@ -107,7 +108,7 @@ class Motor:
 
     @property
     def jogging(self) -> bool:
-        """True during a motion of the motor's own."""
+        """True during a jog, a home search or an abort of the motor."""
         return self.profile is not None
 
     @property
@@ -150,7 +151,8 @@ class Motor:
         """Return the cause for which the motor trips at a commanded position [counts] and velocity
         [counts/s], or None.
 
-        The cause is "limit" if the motor moves beyond a limit, and "fatal" for a fatal following error.
+        The cause is "fatal" for a fatal following error. It is "limit" if the motor moves outwards while it
+        is beyond a limit or on a limit switch.
         """
         error = LAG * velocity + self.disturbance
         if abs(error) > self.fatal_limit():
@@ -164,7 +166,9 @@ class Motor:
         return None
 
     def set_limits(self, time: float) -> tuple[bool, bool]:
-        """Return two flags: the positive and the negative limit is set, by position or by switch."""
+        """Return two flags, for the positive and the negative side: True if the motor is beyond its limit or
+        on its limit switch.
+        """
         least, most = self.limits()
         actual = self.actual(time)
         return actual > most or self.switches[1], actual < least or self.switches[-1]
@@ -172,7 +176,7 @@ class Motor:
     # motions of its own
 
     def hold(self, time: float) -> None:
-        """Stop at the commanded position of a time [s], without a ramp."""
+        """Stop without a ramp, at the commanded position at `time` [s]."""
         position = self.place(time)[0]
         self.profile = self.driver = self.trip = None
         self.under_way.pop(self.number, None)
@@ -195,7 +199,7 @@ class Motor:
         self.closed = self.enabled = False
 
     def jog_to(self, time: float, target: float, speed: float | None = None) -> None:
-        """Jog to a position. If the motor is moving, it stops first (assumed).
+        """Jog to a position. If the motor is moving, it stops before the jog (assumed).
 
         Args:
             time: start [s].
@@ -220,7 +224,7 @@ class Motor:
         self._start(time, pieces, position)
 
     def jog_stop(self, time: float) -> None:
-        """Stop with the ramp of Ixx19, Ixx20 and Ixx21."""
+        """Stop, with a ramp according to Ixx19, Ixx20 and Ixx21."""
         position, velocity = self.place(time)
         if not velocity:
             self.hold(time)
@@ -240,13 +244,14 @@ class Motor:
             duration, np.array([[position], [velocity], [-math.copysign(rate, velocity) / 2.0], [0.0]])
         )
         self._start(time, [piece], float(piece.position(duration)[0]))
-        # The motor is already stopping and can't trip. If the stop takes no time, it has ended.
+        # A motor that is stopping can't trip. If the stop takes no time, the abort has ended already.
         self.aborting, self.trip = self.profile is not None, None
 
     def home(self, time: float) -> None:
         """Search home at the speed Ixx23.
 
-        The flag is at position 0, which stays the zero of the positions (assumed). Ixx26 is ignored.
+        The home flag is at position 0, so the zero of the positions doesn't change (assumed). Ixx26 is
+        ignored.
         """
         self.jog_to(time, 0.0, abs(self.tuning(23)) * 1e3)
         self.homing, self.homed = True, False
@@ -259,7 +264,7 @@ class Motor:
         self.stand, self.homed = 0.0, True
 
     def arrive(self) -> None:
-        """End a motion of its own."""
+        """End the motor's own motion."""
         if self.profile is not None:
             self.stand = self.profile.target
         homed = self.homing
@@ -272,7 +277,7 @@ class Motor:
 
     @property
     def next_event(self) -> float:
-        """Time at which a motion of its own ends or trips [s]."""
+        """Time at which the motor's own motion ends, or at which the motor trips in it [s]."""
         end = self.profile.end if self.profile is not None else math.inf
         return min(end, self.trip[0]) if self.trip else end
 
@@ -307,8 +312,8 @@ class Motor:
             self.arrive()
 
     def look_again(self) -> None:
-        """Compute again when the motor will trip, after a change of limits or switches. An abort continues
-        unchanged.
+        """After a change of limits or switches, compute again if and when the motor will trip. An abort
+        continues unchanged.
         """
         if self.profile is not None and not self.aborting:
             self.trip = self._first_trip(self.profile)
@@ -337,13 +342,13 @@ def _end(pieces: list[Piece], position: float) -> float:
 
 
 def first_trip(piece: Piece, motors: list[Motor], samples: int = 64) -> tuple[float, Motor, str] | None:
-    """Return the first time in a piece of motion at which a motor trips [s], the motor, and the cause; or
-    None.
+    """Return the first time in a piece of motion at which a motor trips [s], the motor, and the cause; None
+    if no motor trips.
 
     Args:
         piece: the piece.
         motors: motors that the piece moves.
-        samples: number of intervals that are sampled. The time is then refined by bisection.
+        samples: number of intervals that are sampled; the time is then refined by bisection.
     """
 
     def at(u: float) -> tuple[Motor, str] | None:

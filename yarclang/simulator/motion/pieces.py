@@ -1,4 +1,5 @@
-"""Motions as sequences of pieces, each a cubic in time for all motors, evaluated at any time.
+"""Motions as sequences of pieces, which can be evaluated at any time. In each piece, the positions of all
+motors are cubics in time.
 
 Nothing is integrated step by step: a position is the value of a polynomial.
 """
@@ -70,7 +71,7 @@ class Piece:
         return position
 
     def velocity(self, u: float) -> Array:
-        """Return velocities (n,) [counts/s] at time `u` [s] of the piece, in its own time."""
+        """Return velocities (n,) [counts per s of the piece's time] at time `u` [s] of the piece."""
         c = self.coefficients
         velocity: Array = c[1] + u * (2.0 * c[2] + u * 3.0 * c[3])
         return velocity
@@ -91,11 +92,12 @@ class Piece:
         )
 
     def reach(self) -> tuple[Array, Array, Array]:
-        """Return bounds of each motor in this piece, as (n,) each: least and largest position [counts],
+        """Return bounds for each motor in this piece, as (n,) each: smallest and largest position [counts],
         largest speed [counts/s].
 
-        For a spline segment, the bounds cover only what its last control point adds to the segment before. If
-        they exceed a limit, the caller has to examine three more segments.
+        For a spline segment, the bounds are those of its newest control point only. The other three control
+        points were in the bounds of the segments before. If the newest control point exceeds a limit, this
+        segment and the next three may do so, and the caller has to examine all of them.
         """
         if self._coefficients is None:
             last, newest = self._control[2], self._control[3]
@@ -116,11 +118,11 @@ def standing(duration: float, position: Array) -> Piece:
 def ramp(position: Array, before: Array, after: Array, time: float, s_time: float) -> list[Piece]:
     """Return the pieces of a change of velocity, with S-curves at both ends.
 
-    The distance is the mean of both velocities times `time`, for any S-curve (TSRM 189: TA is the whole time,
+    For any S-curve, the distance is the mean of both velocities times `time` (TSRM 189: TA is the whole time,
     TS the time of each S-curve).
 
     Args:
-        position: (n,) at the start [counts].
+        position: (n,) position at the start [counts].
         before: (n,) velocity at the start [counts/s].
         after: (n,) velocity at the end [counts/s].
         time: duration [s].
@@ -161,8 +163,8 @@ def trapezoid(
         start: position at the start [counts].
         end: position at the end [counts].
         speed: wanted speed [counts/s]; the jog is slower if the distance is too short for it.
-        acceleration: limit of the acceleration [counts/s^2], which may lengthen the acceleration (TSRM 73:
-            Ixx19 limits Ixx20 and Ixx21).
+        acceleration: limit of the acceleration [counts/s^2]; the time of the acceleration grows if it
+            would be exceeded (TSRM 73: Ixx19 limits Ixx20 and Ixx21).
         time: time of the acceleration, or twice `s_time` if that is longer [s].
         s_time: time of each S-curve [s].
     """
@@ -185,14 +187,16 @@ def trapezoid(
 
 
 def ramp_time(change: float, acceleration: float, time: float, s_time: float) -> float:
-    """Return the duration [s] of a change of velocity by `change` [counts/s]; other arguments as in
+    """Return the duration [s] of a change of velocity by `change` [counts/s]. The other arguments are as in
     `trapezoid`.
     """
     return max(time, 2.0 * s_time, change / acceleration + s_time if acceleration > 0.0 else 0.0, 1e-6)
 
 
 def reached(way: float, speed: float, acceleration: float, time: float, s_time: float) -> float:
-    """Return the largest speed that a motor can reach on a distance [counts] from rest to rest [counts/s]."""
+    """Return the largest speed [counts/s] that a motor can reach from rest to rest over a distance `way`
+    [counts]. The other arguments are as in `trapezoid`.
+    """
     if speed * ramp_time(speed, acceleration, time, s_time) <= way:
         return speed
     fixed = max(time, 2.0 * s_time, 1e-6)
@@ -203,7 +207,8 @@ def reached(way: float, speed: float, acceleration: float, time: float, s_time: 
 
 
 def together(parts: Sequence[list[Piece]], stands: Array) -> list[Piece]:
-    """Join motions of single motors to pieces of all motors. A motor that has arrived stands still.
+    """Join the motions of single motors to pieces in which all motors move. A motor whose motion has ended
+    stays at rest.
 
     Args:
         parts: for each motor, the pieces of its motion.
@@ -244,7 +249,7 @@ class Motion(Protocol):
 
 
 class Standing:
-    """A motion of zero velocity: the motors stand."""
+    """A motion of zero velocity: the motors are at rest."""
 
     __slots__ = ("_position", "_velocity")
 
@@ -253,7 +258,7 @@ class Standing:
         self._velocity = np.zeros(len(position))
 
     def at(self, time: float) -> tuple[Array, Array]:  # noqa: ARG002 - the result is constant
-        """See `Motion`."""
+        """Return the positions (n,) [counts], and velocities of 0."""
         return self._position, self._velocity
 
 
@@ -274,7 +279,7 @@ class Travel:
         self.map = time_map
 
     def at(self, time: float) -> tuple[Array, Array]:
-        """See `Motion`."""
+        """Return positions (n,) [counts] and velocities (n,) [counts/s] at a real time [s]."""
         u = min(max(self.map.program_time(time) - self.begin, 0.0), self.piece.duration)
         return self.piece.position(u), self.piece.velocity(u) * self.map.rate(time)
 
@@ -298,7 +303,7 @@ class Profile:
         self.target = target
 
     def at(self, time: float) -> tuple[Array, Array]:
-        """See `Motion`."""
+        """Return the position (1,) [counts] and the velocity (1,) [counts/s] at a time [s]."""
         since = self.begin
         for piece in self.pieces:
             if time < since + piece.duration:

@@ -49,7 +49,7 @@ class Recorder:
         changes = self._times.get(motor, [])
         motions = self._motions.get(motor, [])
         if not changes:
-            raise ValueError(f"nothing is recorded of motor {motor}")
+            raise ValueError(f"nothing is recorded for motor {motor}")
         result = np.empty(len(times))
         for row, time in enumerate(times):
             motion, index = motions[max(bisect_right(changes, time) - 1, 0)]

@@ -1,7 +1,7 @@
 """Conversion of the moves of a program to pieces (cubics in time).
 
-Moves of SPLINE1 (TUM 289-290), LINEAR (TSRM 189, PUM 166) and PVT (TSRM 463) blend into each other; RAPID
-moves (TSRM 98) don't.
+SPLINE1 (TUM 289-290), LINEAR (TSRM 189, PUM 166) and PVT (TSRM 463) moves blend into each other; RAPID moves
+(TSRM 98) don't.
 """
 
 from __future__ import annotations
@@ -43,9 +43,9 @@ class Sequence(Protocol):
 class SplineSequence:
     """SPLINE1 moves: N moves of equal time t take (N + 2) t.
 
-    The control points are S, S, S, P1 ... PN, PN, PN, where S is the position at which the motors stand.
-    Segment k needs move k + 1 when it begins. If this move is missing, or has another time, the controller
-    adds two end segments, and the motors come to rest.
+    The control points are S, S, S, P1 ... PN, PN, PN, where S is the position at rest. When segment k begins,
+    move k + 1 must be calculated. If move k + 1 isn't calculated, or has another time, the controller adds
+    two end segments, and the motors come to rest.
     """
 
     def __init__(self, stand: Array, first: Step) -> None:
@@ -57,7 +57,7 @@ class SplineSequence:
         self._events: Events = ()
 
     def next(self, steps: deque[Step]) -> tuple[Piece, Events] | None:
-        """See `Sequence`."""
+        """Return the next spline segment and the events at its start; None after the last segment."""
         due = self._events
         if not self._trailing and not self.stop and _is(steps, "SPLINE1") and steps[0].time == self._time:
             step = steps.popleft()
@@ -74,9 +74,10 @@ class SplineSequence:
 
 
 class LinearSequence:
-    """LINEAR moves: constant velocities with a ramp of TA around each corner. A single move takes TM + TA.
+    """LINEAR moves: constant velocities, with a ramp of the duration TA at each corner. A single move takes
+    TM + TA.
 
-    The next move is accepted when the ramp into the current move ends.
+    The next move must be calculated when the ramp into the current move ends.
     """
 
     def __init__(self, stand: Array, first: Step) -> None:
@@ -91,7 +92,9 @@ class LinearSequence:
         self._done = False
 
     def next(self, steps: deque[Step]) -> tuple[Piece, Events] | None:
-        """See `Sequence`."""
+        """Return the next ramp or piece of constant velocity, and the events at its start; None after the
+        last one.
+        """
         if not self._pieces and not self._done:
             self._go_on(steps)
         if not self._pieces:
@@ -107,7 +110,7 @@ class LinearSequence:
             corner_time, coast = follower.ramp, 0.0
         else:
             move = self._move
-            # A ramp that is too long for the moves on both sides is shortened (assumed).
+            # If a ramp is too long for the moves before and after it, it is shortened (assumed).
             corner_time = min(follower.ramp, 2.0 * move.time - move.ramp) if follower else move.ramp
             coast = max(move.time - (move.ramp + corner_time) / 2.0, 0.0)
         if coast > 0.0:
@@ -147,7 +150,7 @@ class PvtSequence:
         self._velocity = np.zeros(len(stand))
 
     def next(self, steps: deque[Step]) -> tuple[Piece, Events] | None:
-        """See `Sequence`."""
+        """Return the cubic of the next move and the events at its start; None after the last move."""
         if self.stop or not _is(steps, "PVT"):
             return None
         step = steps.popleft()
@@ -167,14 +170,15 @@ SEQUENCES: dict[str, Callable[[Array, Step], Sequence]] = {
 
 
 def rapid(motors: list[Motor], begin: Array, target: Array) -> list[Piece]:
-    """Return the pieces of a RAPID move. It doesn't blend with other moves.
+    """Return the pieces of a RAPID move, which doesn't blend with other moves.
 
     Each motor moves independently, at its own speed (Ixx22, or Ixx16 with Ixx90 = 1; TSRM 98).
 
     Args:
         motors: the motors.
         begin: (n,) positions at the start [counts].
-        target: (n,) positions at the end [counts]. If they equal those at the start, there are no pieces.
+        target: (n,) positions at the end [counts]. If they equal those at the start, there are no
+            pieces.
     """
     parts = [
         trapezoid(float(start), float(end), motor.rapid_speed(), *motor.jog_ramp())

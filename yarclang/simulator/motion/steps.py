@@ -1,4 +1,4 @@
-"""Steps, the results of the calculation of a program: one for each move, pause or end."""
+"""Steps: the results of the calculation of a program, one for each move, pause or end."""
 
 from __future__ import annotations
 
@@ -39,5 +39,5 @@ class Step:
 
     @property
     def breaks(self) -> bool:
-        """True if later steps may be calculated only after this one is done (TUM 341)."""
+        """True if later steps may be calculated only after this step has been executed (TUM 341)."""
         return self.kind != "move" or self.mode == "RAPID"

@@ -1,4 +1,4 @@
-"""A coordinate system, which runs a program and moves, holds and stops its motors."""
+"""A coordinate system, which executes a program: it moves, holds and stops its motors."""
 
 from __future__ import annotations
 
@@ -31,7 +31,9 @@ from yarclang.simulator.programs.calculation import Calculation
 from yarclang.simulator.state.registers import Seen
 
 _AWAY = 1.0
-"""Distance by which a motor may have been moved during a hold [counts] (assumed)."""
+"""Largest distance by which motors may have been moved during a hold if R is to resume the program [counts]
+(assumed).
+"""
 
 
 class Outside(drive.Surroundings, surroundings.Surroundings, Protocol):
@@ -51,13 +53,13 @@ class CoordinateSystem:
         definitions: axis definitions by motor.
         calculation: calculation of the system's program, which yields steps.
         ahead: steps that are calculated but not begun.
-        drive: executes the steps.
+        drive: executes the motions of the steps.
         running: True while a program runs (R or S).
         single_step: True if the program was started by S.
         resume_error: True if R was refused because motors were moved away in a hold.
         limit_stop: True after a stop at a limit.
         dwell_until: end of a DWELL [s]; infinite without one.
-        homing: motors for whose home search the program waits.
+        homing: motors whose home search the program waits for.
     """
 
     def __init__(self, number: int, variables: list[float], scope: Seen, outside: Outside) -> None:
@@ -161,7 +163,7 @@ class CoordinateSystem:
         """Check that all motors can move.
 
         Raises:
-            Refusal: if one can't.
+            Refusal: if a motor can't.
         """
         now = self.outside.now
         if not all(motor.activated for motor in self.motors):
@@ -223,7 +225,7 @@ class CoordinateSystem:
         self._leave()
 
     def _leave(self) -> None:
-        """Discard the calculated steps. The time base returns to the override."""
+        """Discard the calculated steps. The rate of the time base becomes the override."""
         self.running = self.single_step = False
         self.ahead.leave()
         self.drive.leave()
@@ -253,7 +255,7 @@ class CoordinateSystem:
                 self._go_on()
 
     def wake(self) -> None:
-        """Continue, after a new line in the rotary or the end of a home search."""
+        """Continue after a new line in the rotary, or after the end of a home search."""
         if self.homing and not any(motor.jogging for motor in self.homing):
             self.homing = []
             self._go_on()
@@ -263,9 +265,9 @@ class CoordinateSystem:
     # the program
 
     def _go_on(self) -> None:
-        """Begin what comes next: a piece of motion, a pause, the end of the program, or nothing."""
+        """Begin whatever comes next: a piece of motion, a pause, or the end of the program."""
         if self.drive.held_at is not None:
-            # In a hold the motors may be jogged, and so the next piece has to wait for R.
+            # In a hold the motors may be jogged away, so the next piece must wait for R.
             return
         steps = self.ahead.steps
         while True:
@@ -289,7 +291,11 @@ class CoordinateSystem:
                 return
 
     def _start(self, step: Step) -> bool:
-        """Begin a step that doesn't blend with the step before; return True if it is already done."""
+        """Begin a step that doesn't blend with the step before it.
+
+        Return True if the caller has to continue now: with the first piece of blended moves, or with the next
+        step.
+        """
         if step.kind == "move" and step.mode in SEQUENCES:
             self.drive.start_here()
             self._sequence = SEQUENCES[step.mode](self.drive.end, step)
@@ -330,7 +336,9 @@ class CoordinateSystem:
         return not self.homing
 
     def _idle(self) -> None:
-        """Stop the motors where they are. The program ends unless more steps may be calculated."""
+        """Stop the motors at their present positions. The program ends if no more steps are to be
+        calculated.
+        """
         self.drive.stand()
         if not self.ahead.calculating:
             self.running = self.single_step = False

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class TimeMap:
-    """Program time as a function of real time. Its rate, which is 1 at 100 %, changes once, along a ramp.
+    """Program time as a function of real time. Its rate is 1 at 100 %; it may change once, along a ramp.
 
     Attributes:
         since: real time at the start [s].
@@ -46,7 +46,7 @@ class TimeMap:
         return self.program + self.first * ramp + slope * ramp**2 / 2.0 + self.last * (passed - ramp)
 
     def instant(self, program: float) -> float:
-        """Return the time at which program time reaches a value [s]; infinite if it never does."""
+        """Return the real time at which program time reaches a value [s]; infinite if it never does."""
         ahead = program - self.program
         if ahead <= 0.0:
             return self.since
@@ -62,7 +62,7 @@ class TimeMap:
         return self.since + 2.0 * ahead / (self.first + root)
 
     def towards(self, time: float, rate: float, slope: float) -> TimeMap:
-        """Return the map of time that applies after another rate was requested.
+        """Return the map of time after a change of the rate was requested.
 
         Args:
             time: start of the change [s].

@@ -1,4 +1,6 @@
-"""Trips: stops of motors by limits, following errors and amplifier faults. Other motors stop with them."""
+"""Trips: stops of motors because of limits, following errors and amplifier faults. Other motors may stop
+too.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,9 @@ _NO_SWITCHES = 0x20000
 
 
 class Surroundings(drive.Surroundings, Protocol):
-    """The controller as trips see it: motors and coordinate systems that stop each other."""
+    """The parts of the controller that a trip needs: the other motors and the coordinate systems, which may
+    have to stop too.
+    """
 
     motors: dict[int, Motor]
     systems: dict[int, CoordinateSystem]
@@ -24,8 +28,8 @@ class Surroundings(drive.Surroundings, Protocol):
 
 
 def tripped(outside: Surroundings, motor: Motor, cause: str) -> None:
-    """Stop a motor that has tripped. For the cause "limit" its coordinate system aborts; for another cause
-    the motor is killed.
+    """Stop a motor that has tripped. If the cause is "limit", the motor's coordinate system aborts; for any
+    other cause the motor is killed.
     """
     system = outside.system_of(motor)
     motor.trip = None
@@ -71,8 +75,8 @@ def switch(motor: Motor, side: int, on: bool) -> None:
 
 
 def look(outside: Surroundings, motor: Motor) -> None:
-    """Check, after a change of limits or switches, if a motor trips now, and compute again if it trips later
-    in its motion.
+    """After a change of limits or switches, check if a motor trips now, and compute again if it will trip
+    later in its motion.
     """
     if motor.closed and (cause := motor.tripped(*motor.place(outside.now))):
         tripped(outside, motor, cause)

@@ -21,21 +21,23 @@ _STOP_TIME = 1.0
 
 
 class EmbeddedSimulator:
-    """Serves a simulated controller as long as the context lasts. Meanwhile no other code may use the
+    """Serves a simulated controller as long as the context lasts. During this time, no other code may use the
     controller.
 
     Args:
         machine: the controller.
-        rate: seconds of the machine's time per second; None is as fast as possible.
+        rate: seconds of the machine's time per second of the wall clock; None to run as fast as
+            possible.
         faults: the faults to inject.
         seed: seed of the faults.
-        tell: function that is called with a line of text for each unusual event, in the simulator's thread.
-        leashed: True if the machine's time waits for its client on a busy computer (`leash.py`).
+        tell: function that is called with a line of text for each unusual event, in the simulator's
+            thread.
+        leashed: True to let the machine's time wait for its client if the computer is busy (`leash.py`).
 
     Attributes:
         port: the port on which the server listens.
-        leash: leash for the client that supervises the robot; None if the machine isn't leashed, or runs as
-            fast as possible.
+        leash: leash for the client that supervises the robot; None if the machine isn't leashed, or runs
+            as fast as possible.
     """
 
     def __init__(
@@ -63,7 +65,7 @@ class EmbeddedSimulator:
         """Start to listen on `port`.
 
         Raises:
-            OSError: the loopback address can't be listened on.
+            OSError: the server can't listen on the loopback address.
         """
         self._thread.start()
         self.port = self._listens.result()
@@ -75,15 +77,15 @@ class EmbeddedSimulator:
         """Close all connections and stop the server.
 
         Raises:
-            Exception: an error inside the machine, as in `check`. It is raised instead of any error in the
-                context that it has caused.
+            Exception: an error inside the machine, as in `check`. It replaces an error of the context, which
+                may be only its consequence.
             RuntimeError: the server doesn't stop.
         """
         with contextlib.suppress(RuntimeError):  # the server's loop has ended with an error
             self._loop.call_soon_threadsafe(self._ending.set)
         self._thread.join(_STOP_TIME)
         if error is not None and not isinstance(error, Exception):
-            return  # an interrupt by the user, or an exit
+            return  # the context was left by an interrupt of the user, or by an exit
         self.check()
         if self._thread.is_alive() and error is None:
             raise RuntimeError(f"the simulator doesn't stop within {_STOP_TIME:g} s")

@@ -1,9 +1,10 @@
-"""The controller's end of its Ethernet protocol, without a socket: bytes become packets, packets get replies.
+"""The controller's end of its Ethernet protocol, without a socket: bytes become packets, and packets get
+replies.
 
 The effects of packets follow pmac-facts 6. Where the manuals are silent, the simulator makes these
-assumptions: packets that arrive before the reply to an earlier packet wait for their turn; an unknown code
-has no reply; an impossible length ends the connection; the rest of a reply waits for GETBUFFER until FLUSH,
-and is sent before later replies; lines of a WRITEBUFFER count from 1.
+assumptions. Packets that arrive before the reply to an earlier packet are queued. An unknown code has no
+reply. An impossible length ends the connection. The rest of a long reply waits for GETBUFFER and precedes
+later replies; FLUSH discards it. The lines of a WRITEBUFFER are counted from 1.
 """
 
 from __future__ import annotations
@@ -35,11 +36,11 @@ class Packet(NamedTuple):
     """One request of a client.
 
     Attributes:
-        up: True if the client wants `length` bytes. Otherwise it sends `data`.
+        up: True if the client requests `length` bytes, False if it sends `data`.
         code: code of the request, such as GETRESPONSE.
         value: the field wValue.
         second: the field wIndex.
-        length: number of bytes that are wanted, or sent.
+        length: number of bytes that are requested or sent.
         data: the bytes that are sent.
     """
 
@@ -57,11 +58,13 @@ class PacketReader:
     def __init__(self) -> None:
         self._in = bytearray()
         self.broken: str | None = None
-        """Reason why the stream can't be read any further: an impossible header. None if it can."""
+        """Reason why the stream can't be read any further: an impossible header. None if the stream can be
+        read.
+        """
 
     def receive(self, data: bytes) -> list[Packet]:
-        """Return the packets that further received bytes complete, in order. At most one incomplete packet
-        is kept.
+        """Add received bytes. Return the packets that are now complete, in order. At most one incomplete
+        packet is kept.
         """
         if self.broken is not None:
             return []
@@ -101,7 +104,7 @@ class Station:
     Args:
         machine: the controller.
         port: number of the controller's port that belongs to this client.
-        memory: dual-ported memory, which is shared by all connections. The controller itself doesn't see it.
+        memory: dual-ported memory, which all connections share. The controller's programs don't see it.
     """
 
     def __init__(self, machine: Machine, port: int, memory: bytearray | None = None) -> None:
@@ -134,8 +137,8 @@ class Station:
         return b"\x00"
 
     def _get_line(self, packet: Packet) -> bytes:
-        """Return waiting bytes of replies up to and including the first CR. If an ACK is next, return only
-        the ACK.
+        """Return waiting bytes of replies, up to and including the first CR. Without a CR, return all of
+        them, such as an ACK.
         """
         self._listen()
         end = self._waiting.find(b"\r") + 1
@@ -164,13 +167,13 @@ class Station:
         return self._controlled(packet)[: pmac.MOST_REPLY] or b"\x00"
 
     def _controlled(self, packet: Packet) -> bytes:
-        """Return the answer to a control character. It has no ACK, as pmacAsynIPPort expects."""
+        """Return the reply to a control character. The reply has no ACK, as pmacAsynIPPort expects."""
         reply = self._machine.control(packet.value & 0xFF, self._port)
         return b"".join(item.encode("ascii", "replace") + b"\r" for item in reply.items)
 
     def _write_buffer(self, packet: Packet) -> bytes:
-        """Execute the lines of a packet up to the first refused one (TUM 418). If there are too many bytes,
-        all lines are refused (assumed).
+        """Execute the lines of a packet up to the first line that is refused (TUM 418). If the packet has too
+        many bytes, no line is executed (assumed).
         """
         lines = packet.data.split(b"\0")
         if not lines[-1]:
@@ -202,14 +205,14 @@ class Station:
         return b"\x00"
 
     def _acknowledge(self, packet: Packet) -> bytes:  # noqa: ARG002
-        """Acknowledge a request to hardware that the simulator doesn't have."""
+        """Acknowledge a request that concerns hardware that the simulator doesn't have."""
         return b"\x00"
 
     def _address(self, packet: Packet) -> bytes:  # noqa: ARG002
         return _FACTORY_ADDRESS
 
     def _listen(self) -> None:
-        """Add the texts that programs have sent to the waiting replies."""
+        """Collect the texts that programs have sent, and append them to the waiting replies."""
         for message in self._machine.messages(self._port):
             self._wait(message.encode("ascii", "replace") + b"\r")
 

@@ -1,8 +1,9 @@
 """A leash, which limits the time by which a simulator may run ahead of the client in its process.
 
-Simulator and client share one computer. If it is busy, neither makes progress. With the wall clock, the
-simulated controller would catch up as soon as it runs again, use up its lines, and hold. On a leash, it waits
-for its client, and the waiting time doesn't count: the simulation is slower, but otherwise unchanged.
+Simulator and client share one computer, which may be too busy to run either of them for a while. If the
+machine's time followed the wall clock, the simulated controller would catch up as soon as it runs again, run
+out of lines, and hold. On a leash, the controller's time waits for the client instead. The simulation is
+slower, but otherwise unchanged.
 
 A client that controls the leash (`Leash`) uses the machine's time as its own clock, and sets the time up to
 which the machine may run. For any other client, the machine runs at most `AHEAD` beyond the last request.
@@ -13,18 +14,18 @@ from __future__ import annotations
 from collections.abc import Callable
 
 AHEAD = 0.06
-"""Time by which the machine may run ahead of the last request of a client without the leash [s of the
-machine].
+"""Time by which the machine may run ahead of the last request of a client that doesn't control the leash [s
+of the machine].
 
-It is more than the pause between two requests of any client that supervises a robot, which is at most 0.05 s,
-and less than the 0.1 s by which the guard PLC allows a client to be late.
+It is more than the pause between two requests of any client that supervises a robot, which is at most 0.05 s.
+It is less than the 0.1 s by which the guard PLC allows a client to be late.
 """
 
 EXCHANGE = 0.02
-"""Longest time between two steps of the client with the leash, at any rate [s of the machine].
+"""Longest time between two steps of a client that controls the leash, at any rate [s of the machine].
 
-The longest series of requests between two requests that reset the watchdog therefore takes less than half of
-the watchdog's 0.4 s.
+With it, the longest series of requests between two resets of the watchdog takes less than half of the
+watchdog's 0.4 s.
 """
 
 _TICK = 0.005
@@ -35,15 +36,15 @@ def tick(rate: float) -> float:
     """Return the period at which the machine's time is advanced while no packets arrive [s of the wall
     clock].
 
-    At a high rate the period is shorter, so that at most `EXCHANGE` passes at once, if the computer is fast
-    enough.
+    At a high rate the period is shorter, so that the machine's time advances by at most `EXCHANGE` at once,
+    if the computer is fast enough.
     """
     return min(_TICK, max(EXCHANGE / rate, _FINEST))
 
 
 class Leash:
-    """The time of a simulated controller, shared by the controller's thread and the thread of the client that
-    controls this time.
+    """The time of a simulated controller. Two threads share this object: the thread of the controller, and
+    the thread of the client that controls the time.
 
     Each attribute is written by only one of the two threads.
 
@@ -52,7 +53,8 @@ class Leash:
         clock: function that returns the time of the wall clock [s], which all threads share.
 
     Attributes:
-        until: time up to which the machine may run, set by the client [s]; None if no client has the leash.
+        until: time up to which the machine may run, set by the client [s]; None if no client controls the
+            leash.
     """
 
     def __init__(self, rate: float, clock: Callable[[], float]) -> None:
@@ -65,19 +67,19 @@ class Leash:
         self._last = 0.0
 
     def tell(self, now: float) -> None:
-        """Publish the machine's time [s]. For the machine's thread."""
+        """Publish the machine's time [s]. To be called in the machine's thread."""
         self._told = now, self._clock()
 
     def stop(self) -> None:
-        """Let `now` follow the wall clock, since the machine has stopped. To be called in the machine's
-        thread.
+        """From now on, let `now` follow the wall clock, since the machine has stopped. To be called in the
+        machine's thread.
         """
         self._stopped = True
 
     def now(self) -> float:
         """Return the machine's time [s]. To be called in the client's thread.
 
-        This time also advances between two ticks of the machine, and never goes back.
+        The returned time also advances between two ticks of the machine, and never goes back.
         """
         told, then = self._told
         passed = self._clock() - then

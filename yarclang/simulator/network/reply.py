@@ -10,7 +10,7 @@ CR = b"\r"
 LF = b"\n"
 
 _ACKNOWLEDGED = {0: b"", 1: LF}
-"""End of a reply by I3; ACK for other values."""
+"""End of a reply, by the value of I3. For other values it is an ACK."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,7 +19,7 @@ class Reply:
 
     Attributes:
         items: the values that the line asked for, in order.
-        error: number of the error that ended the line; None without one.
+        error: number of the error that ended the line; None if there was no error.
     """
 
     items: tuple[str, ...] = ()
@@ -43,8 +43,8 @@ def framed(reply: Reply, i3: int, i6: int) -> bytes:
     """Return a reply as bytes, framed as the controller's settings require.
 
     I3 selects the framing of data and acknowledgment: 0 DATA CR; 1 LF DATA CR ... LF; 2 DATA CR ... ACK;
-    3 LF DATA CR ... ACK. I6 selects that of an error: 0 and 2 BEL alone, 1 BEL ERRnnn CR, 3 BEL CR ERRnnn CR.
-    No acknowledgment follows an error.
+    3 LF DATA CR ... ACK. I6 selects the framing of an error: 0 and 2 BEL alone, 1 BEL ERRnnn CR,
+    3 BEL CR ERRnnn CR. No acknowledgment follows an error.
 
     Args:
         reply: the reply.

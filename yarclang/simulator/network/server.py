@@ -1,7 +1,7 @@
-"""The simulator's socket and clock: serves a simulated controller to clients, and advances its time with the
-wall clock.
+"""The simulator's socket and clock: it serves a simulated controller to clients, and advances the
+controller's time with the wall clock.
 
-This is the only module of the simulator that uses clocks and the network.
+No other module of the simulator uses clocks or the network.
 """
 
 from __future__ import annotations
@@ -22,35 +22,35 @@ from yarclang.simulator.network.ethernet import Packet, PacketReader, Station
 from yarclang.simulator.network.leash import AHEAD, Leash, tick
 
 LOOPBACK = "127.0.0.1"
-"""Default address to listen on, which no other computer can reach."""
+"""Default address to listen on; no other computer can reach it."""
 
 _TICK = 0.005
 """Period at which time is advanced while no packets arrive [s]."""
 
 _FINE = 0.0005
-"""Largest delay of the machine's time when a packet is executed [s of the machine]."""
+"""Time by which the machine's time may lag behind when a packet is executed [s of the machine]."""
 
 _SLACK = 0.25
-"""Longest wall time for which the machine catches up at once after this process couldn't run [s]. The rest is
-skipped.
+"""Longest wall time that the machine catches up after this process couldn't run [s]. The rest of the missed
+time is skipped.
 """
 
 _STRIDE = 0.02
-"""Largest step of the machine's time [s of the machine]. Without a rate, each turn of the server's loop makes
+"""Largest step of the machine's time [s of the machine]. Without a rate, each pass of the server's loop makes
 one such step.
 """
 
 _BURST = 0.005
-"""Longest wall time for which the machine is advanced before clients are served again [s]."""
+"""Longest wall time for which the machine's time is advanced before clients are served again [s]."""
 
 _STAY = 0.0002
-"""Wall time for which the server waits for the next request after a reply, before other work [s].
+"""Wall time for which the server waits for the next request after a reply, before any other work [s].
 
-A client that sends its next request at once is then answered at once.
+A client that sends its next request immediately gets its reply without delay.
 """
 
 _RECEIVED = 1 << 16
-"""Most bytes that are read from a socket at once."""
+"""Largest number of bytes that are read from a socket at once."""
 
 _MEMORY = 1 << 14
 """Size of the dual-ported memory [bytes]."""
@@ -68,13 +68,13 @@ class SimulatorServer:
         machine: the controller. While it is served, no other code may advance it.
         host: address to listen on.
         port: port to listen on; 0 for any free port. The attribute `port` has the port that is used.
-        rate: seconds of the machine's time per second; None is as fast as possible.
+        rate: seconds of the machine's time per second; None to run as fast as possible.
         faults: the faults to inject.
         seed: seed of the faults.
-        tell: function that is called with a line of text for each unusual event, and for each event not
-            caused by a client.
-        leash: makes the machine's time wait for its clients; the waiting time doesn't count. If None, the
-            machine follows the wall clock. It has no effect if the rate is None.
+        tell: function that is called with a line of text for each event that is unusual or not caused by
+            a client.
+        leash: makes the machine's time wait for its clients. If None, the machine follows the wall
+            clock. It has no effect if the rate is None.
     """
 
     def __init__(
@@ -110,13 +110,13 @@ class SimulatorServer:
         """Start to listen, and to advance the machine's time.
 
         Raises:
-            OSError: if the address can't be listened on.
+            OSError: if the server can't listen on the address.
         """
         self.loop = asyncio.get_running_loop()
         self._failed = self.loop.create_future()
         self._server = await self._listen(self.port)
         ports = [each.getsockname()[1] for each in self._server.sockets]
-        if len(set(ports)) > 1:  # each address of the host got a different port
+        if len(set(ports)) > 1:  # each address of the host got another port
             self._server.close()
             self._server = await self._listen(ports[0])
         self.port = ports[0]
@@ -158,14 +158,14 @@ class SimulatorServer:
         await self.close()
 
     def catch_up(self) -> None:
-        """Advance the machine's time up to now."""
+        """Advance the machine's time according to the wall clock."""
         if self.rate is None:
             return
         now = self.loop.time()
         due = min(now - self._since, _SLACK) * self.rate
         if due > (most := self._most()):
             due = most
-            self._since = now - due / self.rate  # the rest of the time is skipped
+            self._since = now - due / self.rate  # skip the time beyond the leash
         if due < _FINE:
             return
         while due > 0.0:
@@ -183,8 +183,8 @@ class SimulatorServer:
             self._leash.tell(self.machine.now)
 
     def _most(self) -> float:
-        """Return the longest time by which the machine may be advanced now [s]; infinite without a leash."""
-        # A fault that delays a reply ends only if the machine's time advances.
+        """Return the time by which the machine may be advanced now [s]; infinite without a leash."""
+        # If a fault delays a reply, the machine's time must advance, since the delay wouldn't end otherwise.
         if self._leash is None or not self._clients or any(one.kept for one in self._clients.values()):
             return math.inf
         until = self._leash.until
@@ -230,7 +230,7 @@ class SimulatorServer:
         """Return the machine's port for a new client; None if all ports are in use."""
         free = [port for port in range(pmac.CLIENTS) if port not in self._clients]
         if not free:
-            self.tell(f"another client is turned away: the controller keeps {pmac.CLIENTS} connections")
+            self.tell(f"another client is refused: the controller keeps {pmac.CLIENTS} connections")
             return None
         self._clients[free[0]] = client
         self.asked()
@@ -274,7 +274,7 @@ class _Client(asyncio.Protocol):
 
     @property
     def kept(self) -> bool:
-        """True if a fault delays a reply."""
+        """True if a fault delays a reply to this client."""
         troubles = self._server.troubles
         return self._held is not None or (bool(self._packets) and troubles.any and troubles.frozen)
 
@@ -300,8 +300,8 @@ class _Client(asyncio.Protocol):
         """Wait briefly after a reply, and return the bytes that the client sends in this time; empty if there
         are none.
 
-        Waking up from the event loop takes longer than answering. Without this short wait, there would be
-        only a third as many round trips.
+        Waking up from the event loop takes longer than answering. Without this short wait, only a third as
+        many requests could be answered.
         """
         wire, transport = self._wire, self._transport
         if (
@@ -348,8 +348,8 @@ class _Client(asyncio.Protocol):
             self._transport.abort()
 
     def work(self) -> None:
-        """Answer the packets that can be answered now. More bytes are read from the client only if no
-        packet is left.
+        """Answer the packets that can be answered now. Continue to read from the client only if no packet is
+        left.
         """
         try:
             self._answer()
@@ -386,7 +386,7 @@ class _Client(asyncio.Protocol):
 
     def _release(self, reply: bytes) -> None:
         self._held = None
-        if self._server.troubles.frozen:  # the reply is sent after the freeze
+        if self._server.troubles.frozen:  # send the reply after the freeze
             self._held = self._server.loop.call_later(_TICK, self._release, reply)
             return
         self._write(reply)

@@ -29,9 +29,7 @@ class Interpreter(Protocol):
 
 
 class Background:
-    """Executes the lines that programs send (CMD) on a port of its own. Replies and errors are discarded (as
-    with I6 = 2 and 0).
-    """
+    """Executes the lines that programs send (CMD), on a port of its own. Replies and errors are discarded."""
 
     def __init__(self, interpreter: Interpreter) -> None:
         self._interpreter = interpreter
@@ -58,6 +56,6 @@ class Background:
             else:
                 self._interpreter.command(text, PORT)
             if PORT not in self._interpreter.ports:
-                # the line was a reset, which discards all lines after it
+                # The line was a reset, which discards all queued lines.
                 return
             self._interpreter.buffers.release(port)

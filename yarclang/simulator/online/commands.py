@@ -9,12 +9,12 @@ from yarclang.simulator.online import buffers, controller, motors, systems, vari
 from yarclang.simulator.online.line import Line
 
 Action = Callable[[Line, "re.Match[str]"], None]
-"""Function that executes a command, after the pattern of the command has matched. The line's reader is at the
-end of the match.
+"""Function that executes a command, called with the match of the command's pattern. The line's reader is at
+the end of the match.
 """
 
 _LONE = r"(?![A-Z\d(.$+\-=])"
-"""Pattern after a single letter that isn't the start of a longer word."""
+"""Pattern that follows a single letter. It prevents matching the first letter of a longer word."""
 
 
 def command_at(text: str, at: int) -> tuple[Action, re.Match[str]] | None:

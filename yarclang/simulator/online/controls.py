@@ -1,5 +1,5 @@
-"""Control characters (TSRM 259-270): commands to all motors or coordinate systems, and reports of groups of 8
-motors.
+"""Control characters (TSRM 259-270): commands to all motors or coordinate systems, and reports for groups of
+8 motors.
 """
 
 from __future__ import annotations

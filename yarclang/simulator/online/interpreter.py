@@ -1,8 +1,8 @@
 """Execution of lines of on-line commands, one command after the other (TSRM 259-424).
 
-A line may have several commands without separators. While a buffer is open on the port from which the line
-comes, statements that the buffer can hold are stored there. The first error ends the line; commands before it
-keep their effect.
+A line may have several commands without separators. If a buffer is open on the line's port, statements that
+the buffer can hold are stored in it. The first error ends the line; the commands before the error keep their
+effect.
 """
 
 from __future__ import annotations
@@ -47,8 +47,8 @@ def _execute(line: Line) -> None:
 
 
 def _stored(line: Line) -> bool:
-    """Store the next statements of a line in the open buffer. Return False if the line continues with a
-    command or with a word that no buffer can store.
+    """Store the next statements of a line in the open buffer. Return False if a command follows, or a word
+    that no buffer can store.
     """
     reader, port = line.reader, line.port
     at = reader.at

@@ -1,4 +1,4 @@
-"""A line during its execution, and the limits of all lines."""
+"""A line while it is executed, and the limits that apply to all lines."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ LONGEST = 255
 """Largest number of characters of a line (facts 3)."""
 
 LEGAL = re.compile(r"[\t\r\n -~]*").fullmatch
-"""Matches a text whose characters are all allowed in a line."""
+"""Matches a text if all of its characters are allowed in a line."""
 
 
 class Line:

@@ -58,8 +58,8 @@ def jog(line: Line, match: re.Match[str]) -> None:
 
 
 def _free(line: Line) -> Motor:
-    """Return the addressed motor, after checking that it is free for a command: no program runs in its
-    coordinate system, or the program is held.
+    """Return the addressed motor if it is free for a command: no program runs in its coordinate system, or
+    the program is held.
 
     Raises:
         Refusal: ERR001 while a program runs.
@@ -107,7 +107,7 @@ def kill(line: Line, _: re.Match[str]) -> None:
 
 
 def open_loop(line: Line, _: re.Match[str]) -> None:
-    """Execute O: open-loop output in percent. The motor doesn't move (assumed)."""
+    """Execute O: open the loop, with an output in percent. The motor doesn't move (assumed)."""
     motor = _free(line)
     line.reader.constant()
     motor.kill(line.machine.now)

@@ -1,5 +1,5 @@
-"""Lines that only contain questions: `P1`, `#1P#2P`, `&1?`. Clients repeat such lines, so the parsed lines
-are cached.
+"""Lines that only contain questions, such as `P1`, `#1P#2P` or `&1?`. Clients repeat such lines, so the
+parsed lines are cached.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from yarclang.simulator.state.registers import printed
 from yarclang.simulator.state.wiring import Shown
 
 Question = Callable[[Shown, Port], str | None]
-"""Function that answers one part of a line. It returns the answer; None for a part that only addresses a
+"""Function that executes one part of a line. It returns the answer, or None if the part only addresses a
 motor or a coordinate system.
 """
 
@@ -31,8 +31,8 @@ _PART = re.compile(
 
 @lru_cache(_REMEMBERED)
 def questions(line: str) -> tuple[Question, ...]:
-    """Return the parts of a line that only asks and addresses, as functions in order; empty for any other
-    line, or if the line is refused.
+    """Return a function for each part of a line that only asks and addresses. The result is empty for any
+    other line, and for a line that would be refused.
     """
     if len(line) > LONGEST or not LEGAL(line):
         return ()
@@ -50,7 +50,7 @@ def questions(line: str) -> tuple[Question, ...]:
 
 
 def answered(machine: Shown, port: Port, line_questions: tuple[Question, ...]) -> Reply:
-    """Return the reply to a line that only contains questions. None of these questions can be refused."""
+    """Return the reply to a line that only contains questions. Such a line is never refused."""
     items: tuple[str, ...] = ()
     for question in line_questions:
         if (item := question(machine, port)) is not None:
@@ -59,8 +59,8 @@ def answered(machine: Shown, port: Port, line_questions: tuple[Question, ...]) -
 
 
 def _question(part: re.Match[str]) -> Question | None:
-    """Return the function for one part of a line; None if its motor, coordinate system or variable doesn't
-    exist.
+    """Return the function for one part of a line. The result is None if its motor, coordinate system or
+    variable doesn't exist.
     """
     match part.lastgroup:
         case "motor":

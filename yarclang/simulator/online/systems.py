@@ -57,7 +57,7 @@ def undefine(line: Line, match: re.Match[str]) -> None:
 
 
 def point(line: Line, match: re.Match[str]) -> None:
-    """Execute B: point to a program and a label."""
+    """Execute B: select a program and a label in it."""
     number, _, label = match[1].partition(".")
     system = line.system
     if system.busy:
@@ -117,7 +117,7 @@ def queued(line: Line, _: re.Match[str]) -> None:
 
 
 def program_counter(line: Line, _: re.Match[str]) -> None:
-    """Answer PC or PE: the program and its next line (assumed format)."""
+    """Answer PC or PE: the program and its next line, in an assumed format."""
     calculation = line.system.calculation
     program, at = calculation.place
     text = program.lines[at].text if program and at < len(program.lines) else ""

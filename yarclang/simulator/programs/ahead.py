@@ -1,4 +1,4 @@
-"""Moves that are calculated ahead of the motion (TUM 339-341)."""
+"""Steps of a motion program that are calculated before the motion needs them (TUM 339-341)."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from yarclang.simulator.motion.steps import Step
 from yarclang.simulator.programs.calculation import Calculation
 
 _AHEAD = 2
-"""Number of moves that are calculated ahead of the motion (TUM 339: two in SPLINE, and in LINEAR without
+"""Number of steps that are calculated ahead of the motion (TUM 339: two in SPLINE, and in LINEAR without
 segmentation).
 """
 
@@ -35,7 +35,8 @@ class Ahead:
     Attributes:
         steps: the steps, in the order of the program.
         calculating: True if more steps may be calculated.
-        retry_at: time of the next attempt, after a calculation without a step [s]; infinite without one.
+        retry_at: time at which the calculation is tried again, if it could yield no step [s]; otherwise
+            infinite.
         run_time_error: True if the calculation has failed since the last R.
     """
 
@@ -67,8 +68,8 @@ class Ahead:
         self.retry_at = math.inf
 
     def fill(self) -> None:
-        """Calculate steps until enough of them are ahead, or until no further step can be calculated for
-        now.
+        """Calculate steps until enough of them are ahead, or until no further step can be calculated at
+        present.
         """
         steps = self.steps
         while self.calculating and len(steps) < _AHEAD and not (steps and steps[-1].breaks):

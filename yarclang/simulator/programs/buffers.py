@@ -84,7 +84,7 @@ class Buffers:
         """Execute CLOSE for one port, or for all ports (None).
 
         Raises:
-            Refusal: ERR009 if an IF or a WHILE in a closed buffer has no end.
+            Refusal: ERR009 if the closed buffer has an IF or a WHILE without an end.
         """
         unfinished = False
         for each in [port] if port is not None else list(self._ports.values()):
@@ -132,8 +132,8 @@ class Buffers:
             statements: the statements of the line.
 
         Raises:
-            Refusal: ERR006 without room; ERR009 for a wrong structure of IFs and WHILEs; ERR003 if the buffer
-                is gone, or for words that a rotary can't hold.
+            Refusal: ERR006 without room; ERR009 for IFs and WHILEs that aren't nested correctly; ERR003 if
+                the buffer doesn't exist any more, or for words that a rotary can't hold.
         """
         line = line_of(text, statements)
         if port.open == "rotary":
@@ -170,8 +170,8 @@ class Buffers:
             words: size of the buffer.
 
         Raises:
-            Refusal: ERR003 if a gather buffer or the rotary of a lower coordinate system exists (assumed), or
-                without any words; ERR001 while the program runs; ERR006 if the buffer is too large.
+            Refusal: ERR003 if a gather buffer or the rotary of a lower coordinate system exists (assumed),
+                or if `words` is 0; ERR001 while the program runs; ERR006 if the buffer is too large.
         """
         if self.gathering or any(
             system.calculation.rotary for n, system in self._systems.items() if n < number

@@ -1,4 +1,6 @@
-"""The calculation of a motion program ahead of its motion, from statements to steps (TUM 339-341)."""
+"""The calculation of a motion program, from statements to steps. It runs ahead of the motion (TUM
+339-341).
+"""
 
 from __future__ import annotations
 
@@ -49,7 +51,7 @@ class Calculation:
     """Calculates the program of a coordinate system: executes its statements and yields the steps of the
     motion.
 
-    `step` is called until it returns nothing.
+    `step` is called repeatedly until it returns None.
 
     Attributes:
         system: number of the coordinate system.
@@ -85,7 +87,7 @@ class Calculation:
     # the program counter
 
     def point_to(self, number: int, label: int = 0) -> None:
-        """Execute B: select the program to run, and a label. R checks that the program exists."""
+        """Execute B: select the program to run, and a label in it. Only R checks that the program exists."""
         self.number = number
         self._line = None
         self._stack = []
@@ -120,7 +122,7 @@ class Calculation:
         return len(self.rotary.lines) if self.rotary else 0
 
     def rotary_gone(self) -> None:
-        """Forget the current line of the rotary, after DELETE ROT or CLEAR."""
+        """Forget the rotary's current line, after DELETE ROT or CLEAR."""
         self._line = None
 
     @property
@@ -144,7 +146,7 @@ class Calculation:
         try:
             return self._calculated()
         except Refusal:
-            # a variable doesn't exist
+            # The program uses a variable that doesn't exist.
             self._fail()
             return None
 
@@ -165,7 +167,8 @@ class Calculation:
                 case Go(target=target, back=back):
                     self._at = target
                     jumps += back
-                    # Two jumps back without a move end the calculation until the next interrupt (TUM 341).
+                    # Two backward jumps without a move end the calculation until the next real-time interrupt
+                    # (TUM 341).
                     if jumps >= 2:
                         break
                 case _:
@@ -201,7 +204,7 @@ class Calculation:
         self._program, self._at = self._stack.pop()
 
     def _ended(self) -> Step:
-        """Return the step at the end of a program. The next R begins the program again."""
+        """Return the step at the end of a program. The next R starts the program from its beginning."""
         if self.number:
             self.point_to(self.number)
         return self._pause("end")
@@ -290,8 +293,8 @@ class Calculation:
             self.failed = True
 
     def _synchronous(self, assign: Assign) -> None:
-        """Evaluate the value of a synchronous assignment (M1==1). The variable changes when the next move
-        blends in (facts 4).
+        """Evaluate the value of a synchronous assignment (M1==1) now. It is assigned when the next move
+        begins to blend in (facts 4).
         """
         index = int(value_of(assign.index, self.scope))
         value = value_of(assign.value, self.scope)

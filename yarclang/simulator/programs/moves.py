@@ -1,5 +1,5 @@
-"""Moves of a motion program: the modal state of the program, and the steps of moves (TSRM 98, 189, 463,
-476).
+"""Moves of a motion program: the modal state of the program, and the steps that moves yield (TSRM 98, 189,
+463, 476).
 """
 
 from __future__ import annotations
@@ -36,9 +36,9 @@ class Moves:
         counted: positions of the motors (n,) after the last calculated move [counts].
         mode: LINEAR, RAPID, SPLINE1, SPLINE2, PVT or a CIRCLE.
         pvt_time: time of a PVT move [ms].
-        feed: True if moves have a speed (F), not a time (TM).
+        feed: True if a speed (F) determines moves, False if a time (TM) does.
         incremental: axes in INC mode.
-        vector: axes over whose common distance the speed F is measured (FRAX).
+        vector: axes whose combined distance the speed F refers to (FRAX).
     """
 
     def __init__(self, system: int, scope: Seen, outside: Surroundings, fail: Callable[[], None]) -> None:
@@ -100,7 +100,7 @@ class Moves:
         """Return the step of a move.
 
         Args:
-            words: for each programmed axis: its letter; its position or distance; and its velocity (PVT).
+            words: for each programmed axis: its letter, its position or distance, and for PVT its velocity.
         """
         position = self.position.copy()
         velocity: Array | None = None
@@ -129,8 +129,9 @@ class Moves:
     def _timed(self, step: Step, velocity: Array | None) -> None:
         """Set time and velocity of a SPLINE or PVT step (TSRM 463, 476).
 
-        The time is TM, in units of 1/4096 ms and below 4096 ms. With I42=1, TA gives the time instead, in
-        integer ms.
+        The time of a PVT step is that of the mode. The time of a SPLINE step is TM, or TA with I42=1. It is
+        rounded to a multiple of 1/4096 ms and stays below 4096 ms; with I42=1, it is rounded to an integer
+        number of ms.
 
         Args:
             step: the step to complete.
@@ -142,7 +143,7 @@ class Moves:
             round(time) * 1e-3 if i42 else min(round(time * 1e-3 / _QUANTUM) * _QUANTUM, _LONGEST - _QUANTUM)
         )
         if time < self.outside.interrupt:
-            # The next move isn't ready in time (TSRM 476).
+            # With such a short move, the next move couldn't be calculated in time (TSRM 476).
             self._fail()
             time = self.outside.interrupt
         step.time = time

@@ -12,8 +12,8 @@ from yarclang.simulator.programs.surroundings import Surroundings
 from yarclang.simulator.state.registers import Seen, Variables
 
 _AT_ONCE = 5000
-"""Largest number of statements of one scan of a PLC, which then ends. On a real controller, the watchdog
-would have tripped.
+"""Largest number of statements in one scan of a PLC. The simulator ends the scan then; on a real controller,
+the watchdog would trip.
 """
 
 _VARIABLE = re.compile(r"([IPQM])(\d+)")
@@ -55,11 +55,10 @@ class Plc:
         self.enabled = self.paused = False
 
     def results(self) -> frozenset[tuple[str, int]]:
-        """Return the variables to which the PLC assigns, if it only computes variables; empty for any other
-        PLC.
+        """Return the variables that the PLC assigns, if it only computes variables; empty for any other PLC.
 
-        A PLC that only computes variables has only assignments to P- and Q-variables that it doesn't read
-        itself. It therefore need not run before one of them is read.
+        A PLC that only computes variables consists of assignments to P- and Q-variables that it doesn't read
+        itself. It therefore needn't be scanned before one of these variables is read.
         """
         targets: list[tuple[str, int]] = []
         mentioned: list[tuple[str, int]] = []
@@ -81,10 +80,11 @@ class Plc:
         return frozenset(targets)
 
     def scan(self, variables: Variables, outside: Surroundings) -> None:
-        """Run the PLC once: to the end of its program, or to the end of a loop. The next scan continues after
-        that point.
+        """Scan the PLC once, up to the end of its program or the end of a loop. The next scan continues from
+        there.
 
-        An error (a program with a wrong structure, a variable that doesn't exist) disables the PLC (assumed).
+        An error disables the PLC (assumed), such as a wrong structure of the program or a variable that
+        doesn't exist.
         """
         try:
             self._scan(variables, outside)

@@ -14,7 +14,9 @@ from yarclang.simulator.programs.plc import Plc
 from yarclang.simulator.state.registers import Variables
 
 SCAN = 5e-3
-"""Time between two scans of the background PLCs [s] (assumed; it depends on the load of the controller)."""
+"""Time between two scans of the background PLCs [s] (assumed; on a real controller it depends on the
+load).
+"""
 
 
 class Surroundings(surroundings.Surroundings, Protocol):
@@ -80,8 +82,8 @@ class Plcs:
         self.changed()
 
     def changed(self) -> None:
-        """Determine which PLCs are scanned, and if the scan of PLC 0 can be postponed until one of the
-        variables that it computes is read.
+        """Determine which PLCs are scanned. If PLC 0 only computes variables, its scan is postponed until one
+        of these variables is read.
         """
         now, variables = self._outside.now, self._variables
         i5 = int(variables.i[5])
@@ -106,7 +108,7 @@ class Plcs:
             self._next_interrupt = now + self._outside.interrupt
 
     def _refresh(self) -> None:
-        """Scan a postponed PLC 0 now, because a variable that it computes is read."""
+        """Scan a postponed PLC 0 now, since one of its variables is about to be read."""
         if self._lazy is None or self._refreshing:
             return
         self._refreshing = True

@@ -1,5 +1,5 @@
-"""Contents of program buffers: PROG and PLC as text and linked code, rotaries as lines that are removed when
-they are calculated.
+"""Contents of program buffers. PROGs and PLCs have text and linked code; rotaries have lines that are removed
+when they are calculated.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from yarclang.simulator.language.statements import If, Label, Plain, Statement, 
 from yarclang.simulator.network.reply import Refusal
 
 LARGEST_PROGRAM = 2_000_000
-"""Largest total number of words of all PROG and PLC buffers, to bound memory (assumed; it depends on the
-options).
+"""Largest total number of words of all PROG and PLC buffers, which limits memory (assumed; on a real
+controller it depends on the options).
 """
 
 
@@ -38,9 +38,10 @@ class Branch:
     """A conditional jump in linked code.
 
     Attributes:
-        condition: the jump is made if the condition is false.
+        condition: the jump is executed if this condition is false.
         target: index in the code at which the execution continues after the jump.
-        wait: True if the condition is evaluated again later as long as it is true (WHILE ... WAIT).
+        wait: True to wait, and evaluate the condition again later, as long as it is true (WHILE ...
+            WAIT).
     """
 
     condition: Condition
@@ -54,7 +55,7 @@ class Go:
 
     Attributes:
         target: index in the code at which the execution continues.
-        back: True at the end of a loop.
+        back: True for the jump back at the end of a loop.
     """
 
     target: int = -1
@@ -65,7 +66,7 @@ Code = Statement | Branch | Go
 
 
 def line_of(text: str, statements: tuple[Statement, ...]) -> Line:
-    """Return a line of a buffer, with the number of words that it takes there."""
+    """Return a line of a buffer, with the number of words that the line takes in the buffer."""
     return Line(text, statements, sum(map(cost, statements)))
 
 
@@ -76,7 +77,7 @@ class Program:
     Attributes:
         lines: lines of the program.
         words: number of words of memory that the lines take.
-        open_blocks: open IFs and WHILEs after the last line, so that an ENDIF without IF is refused at once.
+        open_blocks: names of the IFs and WHILEs that are open after the last line.
         single: True if the last line is an IF that applies only to its own line; an ELSE may follow it.
     """
 
@@ -121,16 +122,17 @@ class Program:
 
 
 def _followed(open_blocks: list[str], single: bool, line: Line) -> tuple[list[str], bool]:
-    """Return the open IFs and WHILEs after a line; and True if the line is an IF that applies only to its own
-    line.
+    """Return the names of the IFs and WHILEs that are open after a line, and True if the line is an IF that
+    applies only to its own line.
 
     Args:
         open_blocks: the open IFs and WHILEs before the line.
-        single: True if the line before is such an IF; an ELSE may follow it.
+        single: True if the previous line is an IF that applies only to its own line; an ELSE may follow it.
         line: the line.
 
     Raises:
-        Refusal: ERR009 for an ELSE, ENDIF or ENDWHILE without an open IF or WHILE, or above 64 open blocks.
+        Refusal: ERR009 for an ELSE, ENDIF or ENDWHILE without an open IF or WHILE, or for more than 64 open
+            blocks.
     """
     blocks = list(open_blocks)
     single_openers = 0
@@ -161,15 +163,16 @@ def _followed(open_blocks: list[str], single: bool, line: Line) -> tuple[list[st
 
 
 def _for_single(single: bool, line: Line, block: bool) -> bool:
-    """Return True if an ELSE belongs to the single-line IF before it, and not to a block around both.
+    """Return True if an ELSE belongs to the single-line IF before it, and not to an open IF block.
 
-    It belongs to the single-line IF if the ELSE's own line has an action, or if no block is open (assumed).
+    The ELSE belongs to the single-line IF if the line of the ELSE also has an action, or if no block is open
+    (assumed).
     """
     return single and (len(line.statements) > 1 or not block)
 
 
 def _is_single(statements: tuple[Statement, ...], place: int) -> bool:
-    """Return True if the IF or WHILE at `place` applies to the rest of its line only."""
+    """Return True if the IF or WHILE at `place` applies only to the rest of its line."""
     opener = statements[place]
     rest = statements[place + 1 :]
     while rest and isinstance(rest[0], If) and rest[0].name in ("AND", "OR"):
@@ -195,8 +198,8 @@ class _Open:
     Attributes:
         name: IF or WHILE.
         at: index of its conditional jump in the code.
-        single: True if the block ends with its line.
-        skip: index in the code of the jump before its ELSE.
+        single: True if the block ends at the end of its line.
+        skip: index in the code of the jump over its ELSE block; None without an ELSE.
     """
 
     name: str
@@ -328,7 +331,7 @@ class Rotary:
         self.words, self.full = 0, False
 
     def _mark(self) -> None:
-        """Update `full`: it becomes true at I17 lines, and false below I16 lines (TSRM 46, 286)."""
+        """Update `full`: it becomes True at I17 lines, and False below I16 lines (TSRM 46, 286)."""
         if len(self.lines) >= self._variables[17]:
             self.full = True
         elif len(self.lines) < self._variables[16]:

@@ -19,8 +19,8 @@ _WHOLE = re.compile(r"(DP|D|F|L):\$?([0-9A-F]{1,6})$")
 
 Read = Callable[[], float]
 ReadBits = Callable[[int], float]
-"""Function that returns the value of a register. Its argument has the bits that the caller needs; other bits
-of the value may be 0.
+"""Function that returns the value of a register. Its argument has the bits that the caller needs; all other
+bits of the returned value may be 0.
 """
 Write = Callable[[float], None]
 
@@ -82,7 +82,7 @@ def definition(text: str) -> Definition:
 class Memory:
     """The controller's memory: 24-bit words. Some words show the controller's state ("wired").
 
-    A word that isn't wired is plain memory, where outputs can be read and inputs can be set.
+    A word that isn't wired is plain memory. In plain memory, tests can read outputs and set inputs.
 
     Attributes:
         words: values of plain words, by kind (X, Y) and address.
@@ -114,8 +114,8 @@ class Memory:
         return float(value - _WORD * _WORD if value >= _WORD * _WORD // 2 else value)
 
     def write(self, at: Definition, value: float) -> None:
-        """Write a value to the register to which an M-variable points. Registers that only the controller
-        sets keep their value.
+        """Write a value to the register to which an M-variable points. A register that only the controller
+        sets keeps its value.
         """
         key = (at.kind, at.address)
         if key in self.wired_writes:
@@ -141,7 +141,8 @@ class Memory:
 
 
 class Variables:
-    """All variables of the controller. Each coordinate system has its own Q-variables (assumed: no overlap).
+    """All variables of the controller. Each coordinate system has its own Q-variables (assumed: their ranges
+    don't overlap).
 
     Attributes:
         i: values of the I-variables. Motors and coordinate systems share this list.
@@ -172,7 +173,7 @@ class Variables:
 
     def initialise(self) -> None:
         """Return to the state after `$$$***`."""
-        # Motors and coordinate systems share this list.
+        # Keep the list object, which motors and coordinate systems share.
         self.i[:] = [0.0] * VARIABLES
         for number, value in default_variables().items():
             self.i[number] = value
@@ -275,8 +276,8 @@ class Seen:
 
 
 def printed(value: float, decimals: int | None = None) -> str:
-    """Return a value in decimal form, without an exponent. It has about 12 digits, as the controller's
-    reals do.
+    """Return a value in decimal form, without an exponent. It has about 12 digits, the precision of the
+    controller's real numbers.
     """
     if value % 1.0 == 0.0:
         return str(int(value))

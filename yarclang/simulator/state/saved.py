@@ -16,7 +16,7 @@ from yarclang.simulator.state.registers import Definition, Variables
 
 @dataclass(frozen=True, slots=True)
 class Saved:
-    """The state that SAVE copies, and that the controller has again after a reset.
+    """The state that SAVE copies, and that a reset restores.
 
     Attributes:
         i: I-variables.
@@ -60,7 +60,9 @@ def restore(
     systems: Mapping[int, CoordinateSystem],
     motors: Mapping[int, Motor],
 ) -> None:
-    """Restore a saved state into parts that have been cleared. The PLCs are enabled."""
+    """Restore a saved state. All components of the machine must have been cleared before. The PLCs are
+    enabled.
+    """
     variables.i[:], variables.p = saved.i, list(saved.p)
     variables.q, variables.m = [dict(q) for q in saved.q], dict(saved.m)
     programs.update({number: program.copy() for number, program in saved.programs.items()})

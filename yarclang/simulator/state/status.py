@@ -1,8 +1,9 @@
 """Status words of motors, coordinate systems and the controller (TSRM 281-290), computed from their current
 state.
 
-Each word is computed on its own. `wanted` has the bits that the caller needs. A PLC asks for one bit at each
-scan; bits that depend on the positions of the motors are therefore left 0 if none of them is needed.
+Each word is computed separately. The argument `fields` has the bits that the caller needs; a PLC, for
+example, needs one bit at each scan. Bits that depend on the positions of the motors take long to compute.
+They are computed only if `fields` contains one of them, and are 0 otherwise.
 """
 
 from __future__ import annotations
@@ -164,7 +165,7 @@ def system_word_3(system: CoordinateSystem) -> int:
 
 
 def global_word(ports: Iterable[Port]) -> int:
-    """Return the first word of `???`. Bits 16 to 20 give the open buffers (assumed)."""
+    """Return the first word of `???`. Bits 16 to 20 show the open buffers (assumed)."""
     kinds = {port.open for port in ports}
     return ("rotary" in kinds) << 16 | ("prog" in kinds) << 17 | ("plc" in kinds) << 18
 

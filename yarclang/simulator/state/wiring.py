@@ -47,7 +47,7 @@ class Shown(status.Controller, Protocol):
 class Timers:
     """The timers Isx11 and Isx12, stored as the times at which they reach 0.
 
-    They count down by one in each servo cycle, beyond 0 down to the least value of 24 bits (TSRM 176).
+    They are decremented in each servo cycle, also below 0, down to the smallest value of 24 bits (TSRM 176).
     """
 
     def __init__(self, controller: Shown) -> None:

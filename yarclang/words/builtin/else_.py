@@ -4,6 +4,6 @@ from yarclang.words.spec import WordSpec
 
 WORD = WordSpec(
     name="ELSE",
-    summary="lines for when the condition of IF or WHEN doesn't hold, or no OF has the value",
+    summary="lines to carry out if the condition of IF or WHEN isn't true, or no OF has the value",
     example="ELSE",
 )

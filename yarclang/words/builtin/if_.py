@@ -4,7 +4,7 @@ from yarclang.words.spec import WordSpec
 
 WORD = WordSpec(
     name="IF",
-    summary="carries out the lines up to END if a condition holds, decided when compiled",
+    summary="carries out the lines up to END if a condition is true, decided when compiled",
     example="IF PITCH > 50",
     opens_block=True,
     takes_else=True,

@@ -4,7 +4,7 @@ from yarclang.words.spec import WordSpec
 
 WORD = WordSpec(
     name="INPUT",
-    summary="a name for a variable of the controller that is read, or for the number that several bits are",
+    summary="a name for a variable of the controller that is read, or for a number of several bits",
     example="INPUT DOOR M11",
     declares="name",
 )

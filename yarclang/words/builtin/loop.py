@@ -5,8 +5,8 @@ from yarclang.words.spec import WordSpec
 WORD = WordSpec(
     name="LOOP",
     summary=(
-        "carries out the lines up to END or UNTIL again and again when run: so many times, till UNTIL "
-        "holds, or till EXIT"
+        "repeats the lines up to END or UNTIL when run: a number of times, until the condition of UNTIL is "
+        "true, or until EXIT"
     ),
     example="LOOP",
     opens_block=True,

@@ -4,7 +4,7 @@ from yarclang.words.spec import WordSpec
 
 WORD = WordSpec(
     name="OF",
-    summary="lines that are carried out if the CASE has one of the following values",
+    summary="lines to carry out if the CASE has one of these values",
     example="OF 2..5",
     in_blocks=True,
 )

@@ -4,7 +4,7 @@ from yarclang.words.spec import Slot, WordSpec
 
 WORD = WordSpec(
     name="UNTIL",
-    summary="the end of a LOOP that is left if a condition holds, decided after each pass when run",
+    summary="the end of a LOOP that ends if a condition is true, decided after each pass when run",
     example="UNTIL DOOR ON",
     ends_block=True,
     slots=(Slot.INPUT, Slot.STATE),

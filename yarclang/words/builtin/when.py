@@ -4,7 +4,7 @@ from yarclang.words.spec import Slot, WordSpec
 
 WORD = WordSpec(
     name="WHEN",
-    summary="carries out the lines up to END if a condition holds, decided when run",
+    summary="carries out the lines up to END if a condition is true, decided when run",
     example="WHEN DOOR OFF",
     opens_block=True,
     takes_else=True,

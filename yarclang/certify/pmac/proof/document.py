@@ -58,7 +58,7 @@ def proof_of(
     """
     if content.target != "rotary":
         raise NoProofError(
-            f"a text with the target {content.target} has no proof: only texts that are streamed have"
+            f"a text with the target {content.target} has no proof: only streamed texts have one"
         )
     robot = own_robot(robot)
     start = READER.start(content, robot).q
@@ -66,13 +66,13 @@ def proof_of(
     if not isinstance(layout, Layout):
         raise NoProofError("the text isn't the program's")
     controller = turbo_pmac(robot)
-    told = read(text, list(controller.axes), list(controller.motors), controller.coordinate_system)
+    checked = read(text, list(controller.axes), list(controller.motors), controller.coordinate_system)
     try:
-        rows, course = follow(told)
+        rows, course = follow(checked)
     except RefusedError as refusal:
         raise NoProofError(f"the checker doesn't follow this text: {refusal}") from None
     judged = Judged(robot, tolerance, claims, lambda *_: None)
-    steps, motions = [{"title": entry.title} for entry in told.entries], dict[str, Any]()
+    steps, motions = [{"title": entry.title} for entry in checked.entries], dict[str, Any]()
     if layout.places:
         all_ = Motions(judged, layout, {row.entry.step: row.first for row in rows})
         for place in layout.places:
@@ -87,14 +87,14 @@ def proof_of(
         "program": {
             "start": (program.start / robot.axis_units).tolist(),
             "outputs": sorted({bit for one in program.outputs for bit in bits_of(one.signal.variable)}),
-            "safe": told.safe,
-            "registers": told.registers,
+            "safe": checked.safe,
+            "registers": checked.registers,
             "course": course,
             "steps": steps,
         },
         "motions": motions,
         "cell": around.told,
-        "planes": planes_of(rows, around.told, around.items, robot),
+        "planes": planes_of(rows, around.told, around.items, robot, checked.registers),
     }
     made = json.dumps(document, separators=(",", ":"), allow_nan=False) + "\n"
     verdict = verify(text.encode("ascii"), made.encode("ascii"))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -32,8 +32,16 @@ from yarclang.robot.model import Array, Robot, Tolerance
 from yarclang.units import DEG, MM
 from yarclang.verify.paths import GRID
 
+_PIECES_OF_CEILING = 8
+"""Number of pieces of a segment on which the speed of a frame with a ceiling is bounded. With fewer pieces, a
+bound could exceed the ceiling although the speed only just reaches it.
+"""
 _PIECES_OF_TABLE = 4
-"""Pieces of a segment that keeps a timetable."""
+"""Number of pieces into which a segment of a timed motion is cut."""
+_LEAST_PART = GRID >> 16
+"""Least part of a segment that the proof of a path covers [1 / GRID of a segment]."""
+_ROUNDING = 1e-9
+"""Largest difference of poses that are equal but for rounding [m, and entries of rotation matrices]."""
 
 
 @frozen(eq=False)
@@ -66,20 +74,20 @@ class Motions:
 
     def _add(self, row: int, place: Place) -> None:
         judged, begin = self._judged, self._begins[row]
-        told = _told(place, begin, judged.robot, judged.tolerance, judged.claims)
-        self.told[place.step] = told
-        flows = place.before is not None or place.behind is not None
-        if flows and (blend := place.motion.blend) is not None and (blend.length or blend.angle):
-            told["blend"] = [
-                float(f"{(size or 0.0) / unit:.13g}")
-                for size, unit in ((blend.length, MM), (blend.angle, DEG))
-            ]
-        if not place.size or "unchecked" in told:
+        entry = _told(place, begin, judged.robot, judged.tolerance, judged.claims)
+        self.told[place.step] = entry
+        if place.behind is not None:
+            blend = place.motion.blend
+            sizes = ((blend and blend.length, MM), (blend and blend.angle, DEG))
+            entry["blend"] = [float(f"{(size or 0.0) / unit:.13g}") for size, unit in sizes]
+        if not place.size or "unchecked" in entry:
             return
         proof = self._proof(row, place, begin)
         if isinstance(proof, str):
-            told["unchecked"] = proof
+            entry["unchecked"] = proof
         elif proof is not None:
+            if place.motion.timing.ceiling is not None:
+                proof["speeds"] = _PIECES_OF_CEILING
             self.proofs[str(place.step)] = proof
 
     def _proof(self, row: int, place: Place, begin: Begin) -> dict[str, Any] | str | None:
@@ -97,7 +105,8 @@ class Motions:
             return self._of_joints(row, place, begin)
         if isinstance(motion, hir.PoseSplineMove):
             frame = motion.waypoints[0].flange_from_moving
-            poses = np.array([begin.flange @ frame, *(one.base_from_moving for one in motion.waypoints)])
+            goals = (one.base_from_moving for one in _distinct(motion.waypoints))
+            poses = np.array([begin.flange @ frame, *goals])
             own = self._own(row, place)
             return pose_spline_proof(
                 own, poses, frame, robot, self._judged.tolerance_of(motion), motion.timing
@@ -126,7 +135,7 @@ class Motions:
         return told | joint_proof(self._own(row, place), begin.q, end, weights)
 
     def _own(self, row: int, place: Place) -> Own:
-        """Return the segments that follow the path of a motion, and where the path is joined and left."""
+        """Return the segments that follow a motion's own path, without the parts that belong to blends."""
         flows, layout = self._flows, self._layout
         begin, end = (int(x) for x in flows.follow[row])
         if (place.before, place.behind) == (None, None):
@@ -144,7 +153,12 @@ class Motions:
         if begin >= end:
             told["until"] = told["from"]
             return Own(layout.cubics(begin, begin), ends, told)
-        return Own(flows.cubics(layout, row), ends, told)
+        # Parts of a segment that would vanish by the rounding of places and of s are left out or completed.
+        for name, at in told.items():
+            edge = round(at / GRID) * GRID
+            told[name] = edge if abs(at - edge) < _LEAST_PART else at
+        rows = np.arange(told["from"] // GRID, -(-told["until"] // GRID)) + base - begin
+        return Own(flows.cubics(layout, row).take(rows), ends, told)
 
     def _add_corner(self, corner: Corner) -> None:
         """Add to the data of two motions the joint positions of the corner between them, and the number of
@@ -178,44 +192,55 @@ def _told(place: Place, begin: Begin, robot: Robot, tolerance: Tolerance, claims
         if isinstance(motion, hir.TimedMove)
         else tolerance_of(motion, tolerance)
     )
-    told: dict[str, Any] = {"tolerance": in_units(np.array([own.position / MM, own.angle / DEG]))}
+    entry: dict[str, Any] = {"tolerance": in_units(np.array([own.position / MM, own.angle / DEG]))}
     timing = motion.timing
     if timing.duration is not None:
-        told["duration"] = float(f"{timing.duration:.13g}")
+        entry["duration"] = float(f"{timing.duration:.13g}")
     if timing.speed is not None:
-        told["speed"] = _speed(timing.speed)
+        entry["speed"] = _speed(timing.speed)
         kept = min(claims.kept.get(place.step, 1.0), claims.least.get(place.step, 1.0))
         if kept < 1.0:
-            told["kept"] = float(kept)
+            entry["kept"] = float(kept)
     if timing.ceiling is not None:
-        told["ceiling"] = float(f"{timing.ceiling / MM:.13g}")
+        entry["ceiling"] = float(f"{timing.ceiling / MM:.13g}")
     if place.any_jerk:
-        told["any_jerk"] = True
+        entry["any_jerk"] = True
     match motion:
         case hir.LineMove(goal=goal) | hir.ArcMove(goal=goal):
             pose = goal_pose(goal, begin.flange)[1]
-            told |= {"move": "line", "pose": told_frame(pose), "tool": told_frame(goal.flange_from_moving)}
+            entry |= {"move": "line", "pose": told_frame(pose), "tool": told_frame(goal.flange_from_moving)}
             if isinstance(motion, hir.ArcMove):
-                told |= {"move": "arc", "via": motion.via.tolist()}
+                entry |= {"move": "arc", "via": motion.via.tolist()}
         case hir.JointMove() | hir.SplineMove() | hir.AvoidMove():
-            told["move"] = "joint" if isinstance(motion, hir.JointMove) else "spline"
-            told["through"] = list(_through(place, begin, robot, claims))
+            entry["move"] = "joint" if isinstance(motion, hir.JointMove) else "spline"
+            entry["through"] = list(_through(place, begin, robot, claims))
             if timing.ceiling is not None:
-                told["tool"] = told_frame(moving_of(motion, robot).flange_from_moving)
+                entry["tool"] = told_frame(moving_of(motion, robot).flange_from_moving)
             if motion.tolerance is not None and place.size:
-                told["tolerance_of"] = told_frame(moving_frame(motion))
+                entry["tolerance_of"] = told_frame(moving_frame(motion))
         case hir.PoseSplineMove(waypoints=waypoints):
-            *poses, last = (told_frame(waypoint.base_from_moving) for waypoint in waypoints)
+            *poses, last = (told_frame(waypoint.base_from_moving) for waypoint in _distinct(waypoints))
             tool = told_frame(waypoints[0].flange_from_moving)
-            told |= {"move": "spline of poses", "pose": last, "tool": tool, "poses": poses}
+            entry |= {"move": "spline of poses", "pose": last, "tool": tool, "poses": poses}
         case hir.TimedMove():
-            told |= {"move": "timetable", "within": in_units(motion.within / robot.axis_units)}
-            told["rows"] = _rows(motion, robot)
-    return told
+            entry |= {"move": "timetable", "within": in_units(motion.within / robot.axis_units)}
+            entry["rows"] = _rows(motion, robot)
+    return entry
+
+
+def _distinct(waypoints: Sequence[hir.PoseGoal]) -> list[hir.PoseGoal]:
+    """Return the waypoints of a spline of poses without those that equal the next one but for rounding.
+
+    The language counts equal neighbours as one waypoint. The checker has no such rule, and so needs a list
+    without them.
+    """
+    poses = np.array([one.base_from_moving for one in waypoints])
+    moved = np.abs(np.diff(poses, axis=0)).max(axis=(1, 2)) > _ROUNDING
+    return [*(one for one, goes in zip(waypoints, moved, strict=False) if goes), waypoints[-1]]
 
 
 def _rows(motion: hir.TimedMove, robot: Robot) -> list[dict[str, Any]]:
-    """Return the rows of a timetable; the first row has the time 0, and its position may be missing."""
+    """Return the rows of a timetable. The first row has the time 0, and may have no position."""
     table, units = motion.asked, robot.axis_units
     columns = {"q": table.positions, "v": table.velocities, "a": table.accelerations}
     given = {name: (column / units).tolist() for name, column in columns.items() if column is not None}
@@ -228,15 +253,16 @@ def _rows(motion: hir.TimedMove, robot: Robot) -> list[dict[str, Any]]:
 
 
 def _speed(speed: hir.Reading) -> list[float | None]:
-    """Return a speed as two values, that of the frame's origin [mm/s] and that of its turn [deg/s]; None for
-    a value that is not given.
+    """Return a speed as two values: the speed of the frame's origin [mm/s] and its angular speed [deg/s].
+
+    A value that is not given is None.
     """
     read_as = (speed.length, MM), (speed.angle, DEG)
     return [None if number is None else float(f"{number / unit:.13g}") for number, unit in read_as]
 
 
 def _through(place: Place, begin: Begin, robot: Robot, claims: Claims) -> Iterator[dict[str, Any]]:
-    """Yield the way-points of a joint motion [deg or mm], with the poses for which they were chosen."""
+    """Yield the waypoints of a joint motion [deg or mm], with the poses for which they were chosen."""
     motion = place.motion
     claimed = claims.witnesses.get(place.step)
     goals = motion.goals

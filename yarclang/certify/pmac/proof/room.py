@@ -1,6 +1,6 @@
-"""Description, in a proof, of the bodies around the arm.
+"""Description of the bodies around the arm in a proof.
 
-It contains their poses, the commands during which they are there, and the pairs that may touch.
+It contains their poses, the commands during which they are present, and the pairs that may touch.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from yarclang import hir
-from yarclang.cell.model import Cell, HalfSpace, Unplaced, Zone
+from yarclang.cell.model import Cell, HalfSpace, JointWindow, Unplaced, Zone
 from yarclang.certify.bodies.handled import follow
 from yarclang.certify.bodies.zones import moving_of
 from yarclang.certify.kinematics.arm import axes_of, steps_of
@@ -27,21 +27,25 @@ from yarclang.collision.zones.watched import Item, Moving, bodies_of, room_of
 from yarclang.collision.zones.workspace import watches_of
 from yarclang.frozen import frozen
 from yarclang.robot.model import Array, Robot
+from yarclang.verify.conditions import Slow
 from yarclang.verify.room import Pair
 
 _GRID = 1e-6
-"""Grid of the corners of meshes in a proof [m]; a ball of this radius covers the rounding."""
+"""Grid to which the corners of meshes are rounded in a proof [m]. Meshes are grown by the same distance to
+cover the rounding.
+"""
 
 
 @frozen(eq=False)
 class Needed:
-    """The pairs of bodies that must be proved apart, or of a body and a zone's region.
+    """The pairs that must be proved apart: two bodies, or a body and the region of a zone.
 
     Attributes:
         items: the bodies, in the order of the proof.
         pairs: the pairs, as indices of `items`.
-        needs: for each pair, the stretches of time (begin, end, margin [m]) during which it must stay apart.
-        speeds: (K,) speed up to which a body need not stay out of a slow zone [m/s]; 0 for other pairs.
+        needs: for each pair, the stretches of time during which it must stay apart: begin and end [parts of a
+            segment], and margin [m].
+        speeds: (K,) speed that a body must not exceed inside a slow zone [m/s]; 0 for other pairs.
     """
 
     items: list[Item]
@@ -57,18 +61,17 @@ class Needed:
         return whole[0], whole[1], whole[2], np.array(margin, dtype=np.float64)
 
     @classmethod
-    def of(cls, items: list[Item], pairs: Sequence[Pair], speeds: Sequence[int], unit: int) -> Needed:
-        """Return the pairs that the checker demands as floating-point data.
+    def of(cls, items: list[Item], pairs: Sequence[Pair], unit: int) -> Needed:
+        """Convert the pairs that the checker demands to floating-point data.
 
         Args:
             items: the bodies, in the order of the proof.
             pairs: the checker's pairs.
-            speeds: allowed speed in the region of each pair, in the checker's units.
             unit: the checker's integer for 1 m, and for 1 m/s.
         """
         needs = [[(begin, end, least / unit) for begin, end, least in pair.needs] for pair in pairs]
-        fast = np.array([speed / unit for speed in speeds])
-        return cls(items, [(pair.one, pair.other) for pair in pairs], needs, fast)
+        fast = [max([0, *(one.speed for one in pair.conditions if isinstance(one, Slow))]) for pair in pairs]
+        return cls(items, [(pair.one, pair.other) for pair in pairs], needs, np.array(fast) / unit)
 
 
 @frozen(eq=False)
@@ -117,7 +120,9 @@ class Room:
         return made
 
     def _number(self, key: Hashable, item: Item, step: int, told: Callable[[], dict[str, Any]]) -> int:
-        """Return the number of a body in the proof; add the body if it is new, and note the command."""
+        """Return the number of a body in the proof, and store that the body is present during `step`. A new
+        body is added to the proof.
+        """
         if key not in self._numbers:
             self._numbers[key] = len(self.bodies)
             self._there[len(self.bodies)] = []
@@ -167,9 +172,9 @@ class Room:
             for watch in watches_of(self.robot, during.cell, during.moving):
                 zone, item = watch.zone, watch.item
                 if zone.keep is not None:
-                    continue  # stated in the map of the text: the small checker doesn't check it
+                    continue  # the small checker reads such a rule (KEEP) from the map of the text
                 if zone.name not in told:
-                    told[zone.name], regions[zone.name] = told_zone(zone)
+                    told[zone.name], regions[zone.name] = told_zone(zone, self.robot.axis_units)
                 if item is None:
                     continue
                 if id(item) in body_of:
@@ -229,7 +234,7 @@ def _ranges(steps: Iterable[int], moving: Sequence[int]) -> list[list[int]]:
 
 
 def _solid(point: Item) -> Item:
-    """Return a point with a tiny ball as its shape, which distances need."""
+    """Return a point with a tiny ball as its shape, because distances are computed between shapes."""
     import coal
 
     placed = np.eye(4)
@@ -267,13 +272,22 @@ def told_shape(pose: Array, geometry: Geometry) -> dict[str, Any]:
     return shape | {"pose": told_frame(placed)}
 
 
-def told_zone(zone: Zone) -> tuple[dict[str, Any], list[Item]]:
-    """Return the description of a zone, and the regions to stay out of, in the checker's order."""
+def told_zone(zone: Zone, units: Array) -> tuple[dict[str, Any], list[Item]]:
+    """Return the description of a zone, and the regions to stay out of, in the checker's order.
+
+    Args:
+        zone: the zone.
+        units: (n,) units of the joints [rad or m], for ranges of joints.
+    """
     told: dict[str, Any] = {"name": zone.name, "rule": zone.rule, "margin": zone.margin, "region": None}
     told["watched"] = []
     if zone.speed is not None:
         told["speed"] = zone.speed
+    if zone.posture is not None:
+        told["posture"] = _window(zone.posture, units)
     region = zone.region
+    if isinstance(region, JointWindow):
+        return told | {"window": _window(region, units)}, [everywhere(zone.name)]
     if isinstance(region, Unplaced):
         return told, []
     if isinstance(region, HalfSpace):
@@ -283,15 +297,27 @@ def told_zone(zone: Zone) -> tuple[dict[str, Any], list[Item]]:
     else:
         geometry = geometry_of(region.shape)
         told["region"] = told_shape(region.base_from_shape, geometry)
-        if zone.rule in ("forbidden", "slow"):
+        if zone.rule != "allowed":
             return told, [
                 room_of(Body(zone.name, 0, region.base_from_shape, geometry, 0.0, False, False, False))
             ]
         faces = faces_of(region)
-        borders = [] if faces is None else list(zip(faces.normals, faces.offsets.tolist(), strict=True))
-    if zone.rule == "posture":
-        return told, []
+        if faces is None:
+            return told, [everywhere(zone.name)]
+        borders = list(zip(faces.normals, faces.offsets.tolist(), strict=True))
     return told, [border(zone.name, normal, offset) for normal, offset in borders]
+
+
+def _window(window: JointWindow, units: Array) -> list[tuple[float | None, float | None]]:
+    """Return the ranges of joints in the units of robot.toml; None for an end that isn't limited."""
+    return list(zip(in_units(window.lower / units), in_units(window.upper / units), strict=True))
+
+
+def everywhere(name: str) -> Item:
+    """Return a half-space that contains all bodies. It is the region of a condition that must hold
+    everywhere.
+    """
+    return border(name, np.array([0.0, 0.0, 1.0]), -1e6)
 
 
 def border(name: str, normal: Array, offset: float) -> Item:

@@ -1,4 +1,5 @@
-"""Path parameters s(t) for a proof: how far each motion is along its programmed path, as a share over time.
+"""Path parameters s(t) for a proof: the fraction of its programmed path that a motion has covered at each
+instant.
 
 The checker accepts any s(t) that grows from 0 to 1; a good one gives sharp bounds.
 """
@@ -22,18 +23,22 @@ from yarclang.robot.model import Array, Robot, Tolerance
 from yarclang.verify.paths import SHARE
 
 _REMAINDER = 0.2
-"""Approximate share of the tolerance that the bounds between the ends of pieces may take."""
+"""Approximate fraction of the tolerance that the error between the ends of pieces may take up."""
 _MOST_PIECES = 64
 _BESIDE = 0.011
-"""Least share of an arc between its via point and its ends that the checker requires, with a reserve."""
+"""Least fraction of an arc between its via point and either end. The checker's own bound is slightly smaller.
+"""
 _OPEN = 1 / 250
-"""Least angle [rad] by which an arc must be smaller than a full turn for the checker, with a reserve."""
+"""Least angle by which an arc must be smaller than a full circle [rad]. The checker's own bound is slightly
+smaller.
+"""
 _NEAREST = 2e-4
-"""Least distance that the checker requires between way-points of a spline [rad or m], with a reserve."""
+"""Least distance between waypoints of a spline [rad or m]. The checker's own bound is slightly smaller."""
 _COARSE = 4.0
-"""Approximate ratio of the checker's bounds to the judge's, for a pose spline's fourth derivative."""
+"""Approximate factor between the checker's bound of a pose spline's fourth derivative and the judge's bound.
+"""
 _SHARP = 2e-4
-"""Approximate share of a programmed speed that the bounds between the ends of pieces may take."""
+"""Approximate fraction of a programmed speed that the error between the ends of pieces may take up."""
 
 
 @frozen(eq=False)
@@ -41,9 +46,8 @@ class Own:
     """The segments that follow the path of a motion, and their description in the proof.
 
     Attributes:
-        cubics: the segments, without parts beyond a corner.
-        ends: s at the first and at the last instant; None where a blend joins or leaves the path in its
-            middle.
+        cubics: the segments; the first and the last one are cut where a blend joins or leaves the path.
+        ends: s at the first and at the last instant; None if a blend joins or leaves the path in its middle.
         told: the instants at which the path is joined and left, if these aren't the motion's start and end.
     """
 
@@ -74,36 +78,37 @@ def frame_proof(
         tolerance: tolerance of this motion.
     """
     cubics, frame = own.cubics, motion.goal.flange_from_moving
-    told: dict[str, Any] = {}
+    proof: dict[str, Any] = {}
     paths: Lines | Arcs
     if isinstance(motion, hir.ArcMove):
         paths = Arcs.through(start[None], motion.via[None], goal[None], frame[None])
-        told = _arc(paths, motion.via)
-        if not _BESIDE < told["via"] < 1.0 - _BESIDE:
+        proof = _arc(paths, motion.via)
+        if not _BESIDE < proof["via"] < 1.0 - _BESIDE:
             return "its path, an arc whose via point is beside one of its ends"
-        if told["sweep"] > 2.0 * np.pi - _OPEN:
+        if proof["sweep"] > 2.0 * np.pi - _OPEN:
             return "its path, an arc that is a full circle but for a little"
     else:
         paths = Lines.between(start[None], goal[None], frame[None])
     axis, angle = paths.turns.axis[0], float(paths.turns.theta[0])
     if not axis.any():
         axis, angle = np.array([0.0, 0.0, 1.0]), 0.0
-    told |= {"axis": axis.tolist(), "angle": angle, **own.told}
+    proof |= {"axis": axis.tolist(), "angle": angle, **own.told}
     if not len(cubics.h):  # blends take the whole path
-        return told | _nowhere(own)
+        return proof | _nowhere(own)
     owner = np.zeros(len(cubics.h), dtype=np.int64)
     origin, rotation = arm_bounds(cubics, owner, frame[None], robot)
-    # A chord is about sqrt 2 times the angle; the programmed turn adds as much again as the executed one.
+    # The factor sqrt 2 is 2 / sqrt 2: the programmed rotation adds as much to the error as the executed one,
+    # and the checker measures rotations by chords, which are about sqrt 2 times the angle.
     need = np.maximum(origin / tolerance.position, math.sqrt(2.0) * rotation / tolerance.angle)
     count = _pieces(float((HERMITE * cubics.h**4 * need).max()))
     if (speed := motion.timing.speed) is not None and speed.length:
-        # The bounds of a speed must be within a part of its allowed error.
+        # The error of a speed's bounds must be a small part of the tolerance of the speed.
         most = float((cubics.h * np.cbrt(HERMITE_RATE * origin / (_SHARP * speed.length))).max())
         count = min(max(count, math.ceil(most)), _MOST_PIECES)
     cut = Pieces.cut(cubics, owner, np.full(len(cubics.h), count))
     executed = frame_motion(robot.chain, cut, frame[None])
     s, rate = _projected(paths, executed, cut, tolerance)
-    return told | _growing(s, rate, cut.d, count, own.ends)
+    return proof | _growing(s, rate, cut.d, count, own.ends)
 
 
 def pose_spline_proof(
@@ -113,7 +118,7 @@ def pose_spline_proof(
 
     Args:
         own: the segments that follow the motion's path.
-        poses: (m, 4, 4) base_from_moving at the start and at the way-points.
+        poses: (m, 4, 4) base_from_moving at the start and at the waypoints.
         frame: (4, 4) flange_from_moving.
         robot: the arm.
         tolerance: tolerance of this motion.
@@ -122,18 +127,22 @@ def pose_spline_proof(
     cubics = own.cubics
     spline = PoseSpline.through(poses, frame, (own.ends[0] is None, own.ends[1] is None))
     if spline is None or len(spline.spline.y) < len(poses) or np.diff(spline.spline.s).min() < _NEAREST:
-        return "its path, a spline of poses with way-points side by side"
+        return "its path, a spline of poses with waypoints side by side"
     quaternions = spline.spline.y[:, 3:]
     apart = np.linalg.norm(np.diff(quaternions, axis=0), axis=1)
+    # Unit quaternions a and b that differ by a rotation by theta have |a - b| = 2 sin(theta / 4).
     turns = (4.0 * np.arcsin(np.minimum(apart / 2.0, 1.0))).tolist()
-    told = {"quaternions": quaternions.tolist(), "turns": turns, **own.told}
+    proof = {"quaternions": quaternions.tolist(), "turns": turns, **own.told}
     if not len(cubics.h):  # blends take the whole path
-        return told | _nowhere(own)
+        return proof | _nowhere(own)
     owner = np.zeros(len(cubics.h), dtype=np.int64)
     origin, rotation = arm_bounds(cubics, owner, frame[None], robot)
     rough = Pieces.cut(cubics, owner, np.ones(len(cubics.h), dtype=np.int64))
     _, rate = _projected(spline, frame_motion(robot.chain, rough, frame[None]), rough, tolerance)
+    # Estimate |s'| and |s''| from a rough projection, and the path's fourth derivative by Faa di Bruno's
+    # formula.
     w, a = float(np.abs(rate).max()), float((np.abs(np.diff(rate)) / rough.d).max())
+    # Scale the bounds from u to s = u / u_total: the k-th derivative gets the factor u_total^k.
     most = spline.cells.max(axis=0) * spline.total ** np.arange(1.0, 5.0)[:, None]
     along = _COARSE * (most[3] * w**4 + 6.0 * most[2] * w * w * a + 3.0 * most[1] * a * a)
     need = np.maximum(
@@ -145,11 +154,13 @@ def pose_spline_proof(
         count = min(max(count, math.ceil(sharp)), _MOST_PIECES)
     cut = Pieces.cut(cubics, owner, np.full(len(cubics.h), count))
     s, rate = _projected(spline, frame_motion(robot.chain, cut, frame[None]), cut, tolerance)
-    return told | _growing(s, rate, cut.d, count, own.ends)
+    return proof | _growing(s, rate, cut.d, count, own.ends)
 
 
 def joint_proof(own: Own, start: Array, goal: Array, weights: Array) -> dict[str, Any]:
-    """Return the proof of a straight joint motion, with the nearest point of the line at the pieces' ends.
+    """Return the proof of a straight joint motion.
+
+    At the ends of pieces, s is the path parameter of the line's point that is nearest to the motion.
 
     Args:
         own: the segments that follow the motion's path.
@@ -162,7 +173,7 @@ def joint_proof(own: Own, start: Array, goal: Array, weights: Array) -> dict[str
     if not count:  # blends take the whole path
         return _nowhere(own)
     cut = Pieces.cut(cubics, np.zeros(count, dtype=np.int64), np.ones(count, dtype=np.int64))
-    # Projection of the joints onto the line, in units of their tolerances.
+    # Project the joint positions onto the line, with each joint in units of its tolerance.
     square = float(way @ way)
     if square > 0.0:
         s, rate = ((cut.q - start) * weights) @ way / square, (cut.rate * weights) @ way / square
@@ -184,6 +195,8 @@ def corner_pieces(cubics: Cubics, frame: Array, robot: Robot, ball: float, angle
 def _arc(paths: Arcs, via: Array) -> dict[str, Any]:
     centre, spoke, side, sweep = paths.centre[0], paths.spoke[0], paths.side[0], float(paths.sweep[0])
     away = via - centre
+    # Compute the angle of the via point about the arc's axis, counted from the spoke to the start, as a
+    # fraction of the sweep.
     share = float(np.arctan2(away @ side, away @ spoke)) % (2.0 * np.pi) / sweep
     return {
         "centre": centre.tolist(),
@@ -204,12 +217,12 @@ def _projected(
 def spline_proof(own: Own, points: Array, weights: Array, law: Array | None) -> dict[str, Any] | str | None:
     """Return the proof of a natural spline in joint space.
 
-    The result is None if the spline has length zero. It is a string with the reason if two way-points are too
+    The result is None if the spline has length zero. It is a string with the reason if two waypoints are too
     close to each other.
 
     Args:
         own: the segments that follow the motion's path.
-        points: (m, n) start of the motion, and its way-points [rad or m].
+        points: (m, n) start of the motion, and its waypoints [rad or m].
         weights: (n,) reciprocal of the tolerance of each joint.
         law: s(t) as the planner claims it, as control values of a cubic B-spline; it is used if it covers the
             segments.
@@ -218,7 +231,7 @@ def spline_proof(own: Own, points: Array, weights: Array, law: Array | None) -> 
     if len(spline.y) == 1:
         return None
     if len(points) > 2 and np.diff(spline.s).min() < _NEAREST:
-        return "its path, a spline with way-points side by side"
+        return "its path, a spline with waypoints side by side"
     cubics = own.cubics
     size = len(cubics.h)
     if not size:  # blends take the whole path
@@ -250,21 +263,25 @@ class _Weighed:
         self._spline, self._weights = spline, weights
 
     def at(self, s: Array) -> tuple[Array, Array]:
-        """Return y and y' at `s` (N,)."""
+        """Return the position y and its derivative y' at the path parameters `s` (N,)."""
         y, slope = self._spline.at(s)
         return y * self._weights, slope * self._weights
 
 
 def _spline_need(cubics: Cubics, spline: NaturalSpline, weights: Array) -> float:
-    """Return the approximate bound between the ends of uncut segments, as a share of the tolerance."""
+    """Return the approximate bound of the error between the ends of uncut segments, as a fraction of the
+    tolerance.
+    """
+    # On each chord between two waypoints, take the slope of the joint that moves most there; then take the
+    # smallest of these slopes.
     steepest = np.maximum(np.abs(np.diff(spline.y, axis=0)).max(axis=1) / np.diff(spline.s), 1e-3).min()
     w = cubics.velocity_peaks().max(axis=1) / steepest
     a = cubics.acceleration_peaks().max(axis=1) / steepest
     j = cubics.jerk_peaks().max(axis=1) / steepest
     bend = (np.abs(spline.bend) * weights).max()
     third = (np.abs(np.diff(spline.bend, axis=0)) / np.diff(spline.s)[:, None] * weights).max()
-    # Faa di Bruno's formula, with s', s'' and s''' estimated from the joints' rates over the slope of the
-    # path.
+    # Estimate s', s'' and s''' from the joints' rates over the slope of the path. Faa di Bruno's formula then
+    # gives the fourth derivative.
     fourth = 6.0 * w * w * a * third + (3.0 * a * a + 4.0 * w * j) * bend
     return float((HERMITE * cubics.h**4 * fourth + cubics.h**3 * w**3 * third / 96.0).max())
 
@@ -284,24 +301,26 @@ def _growing(
 
     Args:
         s: (P + 1,) path parameters at the ends of pieces.
-        rate: (P + 1,) their rates [1/s].
+        rate: (P + 1,) derivatives s' at the ends of pieces [1/s].
         d: (P,) durations of the pieces [s].
         pieces: number of pieces of each segment.
-        ends: s at the first and at the last instant; None: as in `s`.
+        ends: required s at the first and at the last instant; None to keep the value in `s`.
     """
     share = np.clip(s, 0.0, 1.0)
     share[0], share[-1] = (
         old if end is None else end for old, end in zip((share[0], share[-1]), ends, strict=True)
     )
+    # Round s to integers that never decrease.
     share = np.round(np.maximum.accumulate(share) * SHARE)
     if ends[1] is not None:
         share = np.minimum(share, round(ends[1] * SHARE))
-    # The inner Bezier points of a piece are in order if the sum of both rates, times a third of the piece's
-    # duration, is at most the way between its ends.
+    # The inner Bezier points of a piece are in order if the sum of the rates at its ends, times a third of
+    # its duration, is at most the increase of s.
     rate = np.maximum(rate, 0.0) * SHARE
     way, both = 3.0 * np.diff(share) / d, rate[:-1] + rate[1:]
-    with np.errstate(over="ignore"):  # infinite where nothing is blended, which is more than 1
+    with np.errstate(over="ignore"):  # if both rates are 0, the quotient may be infinite
         allowed = np.minimum(1.0, way * (1.0 - 1e-12) / np.maximum(both, 1e-300))
+    # Each rate belongs to the ends of two pieces and must be small enough for both.
     rate *= np.minimum(np.append(allowed, 1.0), np.append(1.0, allowed))
     return {
         "pieces": pieces,

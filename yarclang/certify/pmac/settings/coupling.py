@@ -1,4 +1,8 @@
-"""Motor counts as a function of the joints (K J, a0) in exact numbers, and which of them are coupled."""
+"""Motor counts as a function of the joint positions q, counts = K J q + a0, in exact numbers; and groups of
+coupled motors.
+
+K has the gear ratios, J is the coupling of the joints to the motors, and a0 has the motors' offsets.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +14,7 @@ from yarclang.robot.model import Array, Robot
 
 Row = list[Fraction]
 ENDLESS = Fraction(36_000)
-"""Assumed reach of a joint without limits to either side [deg or mm]: 100 turns."""
+"""Assumed largest distance from zero of a joint without limits [deg or mm]; 100 turns of a revolute joint."""
 
 
 @dataclass(frozen=True)
@@ -44,6 +48,7 @@ class Coupling:
         """Bound of the absolute position of each motor [counts]."""
         return [
             sum(
+                # In the worst case, the absolute values of all terms add up.
                 (abs(share) * reach for share, reach in zip(row, self.reach, strict=True) if share),
                 abs(offset),
             )
@@ -60,6 +65,7 @@ class Coupling:
         """Error of each joint's position that results from `slack` [axis units]."""
         return [
             sum(
+                # In the worst case, the effects of the errors of all motors add up.
                 (abs(share) * slack for share, slack in zip(row, self.slack, strict=True) if share),
                 Fraction(0),
             )
@@ -72,7 +78,7 @@ class Coupling:
         left = list(range(len(self.matrix)))
         found = []
         while left:
-            # Connected components: motors are connected if they move a common joint.
+            # Find the connected components: motors are connected if they move a common joint.
             motors, joints = {left[0]}, set[int]()
             while True:
                 joints |= {k for m in motors for k, share in enumerate(self.matrix[m]) if share}
@@ -86,7 +92,9 @@ class Coupling:
 
 
 def coupling_of(robot: Robot) -> Coupling | None:
-    """Return the coupling of a robot; None if K J is singular."""
+    """Return the coupling of a robot; None if its matrix is singular, so that motor counts determine no joint
+    positions.
+    """
     actuation, limits, units = robot.actuation, robot.limits, exact(robot.axis_units)
     matrix = [
         [gear * share for share in exact(row)]
@@ -124,6 +132,7 @@ def _inverse(matrix: list[Row]) -> list[Row] | None:
         head = rows[at][at]
         rows[at] = [value / head if value else value for value in rows[at]]
         for other in range(size):
+            # Clear the column in all other rows.
             factor = rows[other][at]
             if other != at and factor:
                 rows[other] = [

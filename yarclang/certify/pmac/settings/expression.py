@@ -10,7 +10,7 @@ from yarclang.frozen import frozen
 
 _TOKEN = re.compile(r"[0-9]{1,15}(?:\.[0-9]{1,30})?|[A-Z][0-9]{1,4}|[-+*/()]")
 _DEEPEST = 8
-"""Most levels of nested parentheses."""
+"""Largest number of levels of nested parentheses."""
 
 
 class NotAffineError(Exception):
@@ -86,7 +86,7 @@ class _Reader:
 
     def _sum(self, depth: int) -> Affine:
         if depth > _DEEPEST:
-            raise NotAffineError(f"it has more than {_DEEPEST} parentheses in each other")
+            raise NotAffineError(f"its parentheses are nested more than {_DEEPEST} deep")
         negative = self._take("-")
         value = self._product(depth)
         if negative:
@@ -98,15 +98,15 @@ class _Reader:
     def _product(self, depth: int) -> Affine:
         value = self._factor(depth)
         while sign := self._take("*") or self._take("/"):
-            other = self._factor(depth)
+            factor = self._factor(depth)
             if sign == "/":
-                if any(other.factors.values()) or not other.constant:
-                    raise NotAffineError("it divides by something other than a constant above or below 0")
-                value = value.times(1 / other.constant)
-            elif not any(other.factors.values()):
-                value = value.times(other.constant)
+                if any(factor.factors.values()) or not factor.constant:
+                    raise NotAffineError("it divides by something other than a constant that isn't 0")
+                value = value.times(1 / factor.constant)
+            elif not any(factor.factors.values()):
+                value = value.times(factor.constant)
             elif not any(value.factors.values()):
-                value = other.times(value.constant)
+                value = factor.times(value.constant)
             else:
                 raise NotAffineError("it multiplies two variables")
         return value

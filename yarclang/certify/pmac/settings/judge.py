@@ -25,7 +25,7 @@ class ProvedSettings:
 
     Attributes:
         text: the settings text.
-        content: what the text sets.
+        content: the definitions and values in the text.
         commanded: (n,) largest error of the axis definitions within the limits of the joints [axis units].
         feedback: (n,) largest error of the positions from PLC 0 within the limits of the joints [axis units].
     """

@@ -12,7 +12,7 @@ from yarclang.pmac.variables import motor_variable
 from yarclang.robot.model import Robot
 
 _BEYOND = 3
-"""Counts by which a software limit may exceed the reach of its motor."""
+"""Largest number of counts by which a software limit may exceed the reach of its motor."""
 _LARGEST_LIMIT = 2**35
 """Largest constant that the controller accepts for Ixx13 and Ixx14 [counts] (TSRM 96)."""
 _REGISTER = 2**42
@@ -26,10 +26,11 @@ def check_motors(content: SettingsText, robot: Robot, coupling: Coupling, say: S
     scale = turbo_pmac(robot).ixx08
     wanted = {
         8: (scale, scale, "the position scale is {}, as in robot.toml"),
-        # The acceleration of RAPID is at most Ixx19, whatever its times are, unless both are 0 (TSRM 101).
+        # RAPID never accelerates by more than Ixx19, whatever Ixx20 and Ixx21 are, unless both are 0 (TSRM
+        # 101).
         20: (0, _LONGEST_TIME, "the time of RAPID's ramps is an integer from {} to {} ms"),
         21: (1, _LONGEST_TIME, "the S-curve time of RAPID's ramps is an integer from {} to {} ms"),
-        90: (0, 0, "{} belongs there: RAPID takes the jog speed"),
+        90: (0, 0, "it must be {}: RAPID takes the jog speed"),
     }
     for row, motor in enumerate(robot.controller.motors):
         for number, (least, most, what) in wanted.items():
@@ -44,34 +45,35 @@ def check_motors(content: SettingsText, robot: Robot, coupling: Coupling, say: S
 
 
 def _wrong_limit(limit: Fraction, sign: int, row: int, robot: Robot, coupling: Coupling) -> str:
-    """Return in words what is wrong with a motor's software limit; empty if it is right.
+    """Return the fault of a motor's software limit in words; empty if the limit is right.
 
     Args:
         limit: the limit, times `sign` [counts].
         sign: 1 for the positive limit, -1 for the negative one.
         row: row of the motor in the coupling.
         robot: the robot.
-        coupling: the robot's K J, a0, and the limits of the joints.
+        coupling: the robot's conversion of joint positions to motor counts, and the limits of the joints.
     """
     reach = _reach(sign, row, coupling)
     if reach is None:
-        return "turns without an end, and 0 stands for no limit" if limit else ""
-    told = (
+        return "turns without an end, so it must be 0 (no limit)" if limit else ""
+    fault = (
         f"goes {'up' if sign > 0 else 'down'} to {float(sign * reach):.3f} counts within the joints' limits"
     )
     if not limit:
-        return f"{told}, and 0 stands for no limit"
+        return f"{fault}, but 0 means no limit"
     if limit < reach:
-        return f"{told}, and would be stopped before"
+        return f"{fault}, but would be stopped before"
     if limit > reach + _BEYOND:
-        return f"{told}, and may be stopped at most {_BEYOND} counts beyond"
+        return f"{fault}, and may be stopped at most {_BEYOND} counts beyond"
     if abs(limit) > min(Fraction(_LARGEST_LIMIT), Fraction(_REGISTER, turbo_pmac(robot).ixx08)):
-        return f"{told}, farther than the controller counts"
+        return f"{fault}, farther than the controller counts"
     return ""
 
 
 def _reach(sign: int, row: int, coupling: Coupling) -> Fraction | None:
-    """Return how far a motor goes in one direction while all joints are within their limits [counts].
+    """Return the farthest position of a motor in one direction while all joints are within their limits
+    [counts].
 
     The position is multiplied by `sign`, 1 or -1. None if a joint without a limit moves the motor.
     """

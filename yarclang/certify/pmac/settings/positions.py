@@ -1,6 +1,8 @@
 """Conversion of joint to motor positions and back, as the settings define it.
 
-The axis definitions must be K J and a0, and PLC 0 must compute their inverse.
+The axis definitions convert joint positions to motor counts. Their coefficients must be K J and their
+constants a0, where K has the gear ratios [counts per axis unit], J is the coupling of the joints to the
+motors, and a0 has the motors' offsets [counts]. PLC 0 must compute the inverse conversion.
 """
 
 from __future__ import annotations
@@ -22,11 +24,14 @@ Say = Callable[[str, int, str], None]
 _FLOAT = Fraction(1, 2**50)
 """Largest relative error of a product of two floating-point numbers."""
 _UNITS_PER_COUNT = 32
-"""Factor between a count and the unit of position registers, 1/(Ixx08 32) count (TSRM 281)."""
+"""The part of the register unit that is the same for all motors: a position register counts in units of
+1/(32 Ixx08) count (TSRM 281).
+"""
 
 
 def check_definitions(content: SettingsText, robot: Robot, coupling: Coupling, say: Say) -> Row | None:
-    """Check that the axis definitions are K J and a0, to the printed digits.
+    """Check the coefficients and constants of the axis definitions (K J and a0, see the module), to the
+    printed digits.
 
     Returns:
         The largest error of each joint within its limits [axis units]; None after a finding.
@@ -39,8 +44,8 @@ def check_definitions(content: SettingsText, robot: Robot, coupling: Coupling, s
     if problems:
         return None
     printed, offset = _printed(content, robot)
-    # With printed M' and offset o', the joints are off by M^-1 ((M' - M) q + o' - o): sum the largest values
-    # over |q| <= reach.
+    # Let M and o be the robot's matrix and offsets, and M' and o' the printed ones. The joints are then off
+    # by M^-1 ((M' - M) q + o' - o). Sum the largest values over all joint positions q within `reach`.
     off = [_difference(one, true) for one, true in zip(printed, coupling.matrix, strict=True)]
     off_offset = _difference(offset, coupling.offset)
     errors = []
@@ -58,16 +63,17 @@ def _wrong_definition(definition: Definition, row: int, robot: Robot, coupling: 
     for axis, unit, true, reach in zip(
         robot.controller.axes, robot.axis_unit_names, coupling.matrix[row], coupling.reach, strict=True
     ):
-        found = definition.counts.get(axis)
-        if found is None:
+        printed = definition.counts.get(axis)
+        if printed is None:
             if true:
                 return f"doesn't follow {axis}; K J says {_told(true)} counts a {unit}"
             continue
         if not true:
-            return f"follows {axis}; K J says that it doesn't"
-        off = abs(found.value - true)
-        if off > found.step / 2 + _FLOAT * abs(true):
-            return f"follows {axis} with {_told(found.value)} counts a {unit}; K J says {_told(true)}"
+            return f"follows {axis}, but K J says that it doesn't"
+        # A printed number is off by at most half a unit of its last decimal.
+        off = abs(printed.value - true)
+        if off > printed.step / 2 + _FLOAT * abs(true):
+            return f"follows {axis} with {_told(printed.value)} counts a {unit}; K J says {_told(true)}"
         error += off * reach
     off = abs(definition.offset.value - coupling.offset[row])
     if off > definition.offset.step / 2 + _FLOAT * abs(coupling.offset[row]):
@@ -85,14 +91,16 @@ def _wrong_definition(definition: Definition, row: int, robot: Robot, coupling: 
 def check_feedback(
     content: SettingsText, robot: Robot, coupling: Coupling, say: Say, *, as_printed: bool
 ) -> Row | None:
-    """Check that PLC 0 computes the joint positions of the axis definitions, each into its variable.
+    """Check that PLC 0 computes the joint positions that belong to the axis definitions, each in the joint's
+    feedback variable.
 
     Args:
         content: the settings that were read.
         robot: defines the feedback variables.
-        coupling: the robot's K J and a0.
+        coupling: the robot's conversion of joint positions to motor counts.
         say: function that adds a finding.
-        as_printed: True to compute the motors' positions from the printed definitions, False from K J and a0.
+        as_printed: True to compute the motors' positions from the printed definitions, False to compute them
+            from `coupling`.
 
     Returns:
         The largest error of each variable within the limits of the joint [axis units]; None after a finding.
@@ -109,7 +117,7 @@ def check_feedback(
         wanted, owner = controller.feedback[joint], robot.joint_names[joint]
         unit = robot.axis_unit_names[joint]
         if name != wanted:
-            say("Y1173", line, f"{name} stands where {wanted} belongs, the position of {owner}")
+            say("Y1173", line, f"{name} is given instead of {wanted}, the position of {owner}")
             continue
         try:
             value = evaluate(expression, meaning.get)
@@ -131,15 +139,16 @@ def check_feedback(
 def _feedback_error(
     value: Affine, joint: int, matrix: list[Row], offset: Row, robot: Robot, coupling: Coupling
 ) -> Fraction:
-    """Bound the difference between a joint's position and the expression for it in PLC 0."""
+    """Return the largest difference between a joint's position and its expression in PLC 0."""
+    # `scale` is the number of units of a position register in one count.
     scale = turbo_pmac(robot).ixx08 * _UNITS_PER_COUNT
     shares = [
         value.factors.get(actual_position(motor)[0], Fraction(0)) * scale for motor in robot.controller.motors
     ]
     error = abs(value.constant + _product(shares, offset))
     for other, reach in enumerate(coupling.reach):
-        # The expression of the motors' positions M q + o must be the joint itself: a factor 1 for this joint,
-        # 0 for all others, and no constant.
+        # Put the motors' positions M q + o, with the matrix M and the offsets o, into the expression: it must
+        # then have a factor 1 for this joint, 0 for all others, and no constant.
         follows = _product(shares, [row[other] for row in matrix])
         error += abs(follows - (other == joint)) * reach
     return error

@@ -17,7 +17,7 @@ from yarclang.pmac.variables import motor_variable
 from yarclang.robot.model import Robot
 
 _ROUNDING = Fraction(1, 1000)
-"""Allowed error of a printed rate, as a share of the largest allowed rate."""
+"""Allowed error of a printed rate, as a fraction of the largest allowed rate."""
 _SPEED, _ACCELERATION = 1000, 1_000_000
 """Counts/s in one count/ms, and counts/s^2 in one count/ms^2."""
 
@@ -97,8 +97,10 @@ class _Group:
 
 
 def _even(quantity: _Quantity, gears: _Rates, group: _Group) -> _Rates:
-    """Return the largest motor rates in proportion to the gear ratios that exceed no limit."""
-    # Scale the gears up until the first joint reaches its limit.
+    """Return the largest motor rates that are proportional to the gear ratios and exceed no joint's limit. A
+    rate beyond the motor's own limit is reduced to that limit.
+    """
+    # Scale the gear ratios up until the first joint reaches its limit.
     largest = min(quantity.limits[joint] / group.worst(joint, gears) for joint in group.joints)
     even = {row: gear * largest for row, gear in gears.items()}
     return (
@@ -112,24 +114,27 @@ def _wrong(
     """Return the first wrong setting of a group of motors and its fault in words; None if all are right."""
     rates = {row: setting.value * quantity.unit for row, setting in settings.items()}
     shares = {row: rate / even[row] for row, rate in rates.items()}
+    # Compute the largest rate of each joint for the motor rates in the settings, as a fraction of its limit.
     loads = {joint: group.worst(joint, rates) / quantity.limits[joint] for joint in group.joints}
     joint = max(loads, key=lambda one: loads[one])
     if loads[joint] > 1 + _ROUNDING:
         moving = [row for row in settings if group.coupling.inverse[joint][row]]
         row = max(moving, key=lambda one: shares[one])
         limit, unit = quantity.limits[joint], robot.axis_unit_names[joint] + quantity.per
-        told = (
+        fault = (
             f"{quantity.does} {robot.joint_names[joint]} with up to {float(loads[joint] * limit):.5g} {unit}"
         )
-        return settings[row], f"{told}; {float(limit):.5g} {unit} are allowed, {quantity.limit}"
+        return settings[row], f"{fault}; {float(limit):.5g} {unit} are allowed, {quantity.limit}"
     for row, rate in rates.items():
         motor = robot.controller.motors[row]
         if quantity.most is not None and rate > quantity.most[row] * (1 + _ROUNDING):
             most = float(quantity.most[row])
-            told = f"{quantity.does} motor {motor} with {float(rate):.5g} counts{quantity.per}"
-            return settings[row], f"{told}; {most:.5g} are allowed"
+            fault = f"{quantity.does} motor {motor} with {float(rate):.5g} counts{quantity.per}"
+            return settings[row], f"{fault}; {most:.5g} are allowed"
+        # `even` has the largest allowed rates: in proportion to the gear ratios, and within the motors' own
+        # limits. A motor whose rate is smaller makes moves longer than necessary.
         if shares[row] < 1 - _ROUNDING:
             least = float(even[row] / quantity.unit)
-            told = f"{quantity.does} motor {motor} less than {quantity.limit} allows"
-            return settings[row], f"{told}; {least:.5g} belongs there"
+            fault = f"{quantity.does} motor {motor} less than {quantity.limit} allows"
+            return settings[row], f"{fault}; it must be {least:.5g}"
     return None

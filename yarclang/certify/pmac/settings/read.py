@@ -99,17 +99,17 @@ def _definition(lines: _Lines, motor: int, controller: TurboPmac) -> Definition:
     offset: Number | None = None
     place = begin = len(wanted)
     while place < len(content) or place == begin:
-        found = _TERM.match(content, place)
-        if found is None or (place > begin and not found[1]) or offset:
-            lines.refuse(f"has {shown(content[place:])} where a term with an axis belongs")
-        sign, value, axis = found.groups()
+        term = _TERM.match(content, place)
+        if term is None or (place > begin and not term[1]) or offset:
+            lines.refuse(f"has {shown(content[place:])}; expected: a term with an axis")
+        sign, value, axis = term.groups()
         if not axis and counts:
             offset = _number(sign, value)
         elif axis not in controller.axes or axis in counts:
-            lines.refuse(f"has the term {found[0]}, and may name each of {' '.join(controller.axes)} once")
+            lines.refuse(f"has the term {term[0]}, and may name each of {' '.join(controller.axes)} once")
         else:
             counts[axis] = _number(sign, value)
-        place = found.end()
+        place = term.end()
     offset = offset or Number(Fraction(0), Fraction(0))
     return Definition(lines.last, motor, content[begin:], counts, offset)
 
@@ -164,10 +164,11 @@ def _feedback(lines: _Lines, size: int) -> Listing:
 
 
 def _guard(lines: _Lines, system: int) -> Listing:
-    """Read the guard PLC, which counts its scans as a heartbeat and stops the motion by a hold.
+    """Read the guard PLC, which counts its scans as a heartbeat and can stop the motion by a hold.
 
-    It commands one hold if a program is armed and the rotary buffer is no longer full. It commands one hold
-    if the streaming computer is watched and its timer, Isx12, has run down.
+    The PLC commands a hold in two cases, once each. In the first case, the guard is armed, and the controller
+    no longer reports the rotary buffer as full. In the second case, the streaming computer is watched, and
+    its timer (Isx12) has run down.
     """
     lines.expect(f"OPEN PLC {GUARD_PLC} CLEAR", code="Y1175")
     hold = f'CMD"&{system}H"'
@@ -223,7 +224,7 @@ class _Lines:
         """Return the next line with content; `wanted` describes the expected line."""
         if not self._go_on():
             self.last = len(self._lines)
-            self.refuse(f"is the last one, and {shown(wanted)} belongs after it")
+            self.refuse(f"is the last one; expected after it: {shown(wanted)}")
         return self._taken
 
     def expect(self, *wanted: str, code: str = "Y1170") -> None:
@@ -231,7 +232,7 @@ class _Lines:
         for line in wanted:
             if not self._go_on():
                 self.last = len(self._lines)
-                self.refuse(f"is the last one, and {shown(line)} belongs after it", code)
+                self.refuse(f"is the last one; expected after it: {shown(line)}", code)
             if self._taken != line:
                 self.misplaced(line, code)
 
@@ -241,8 +242,8 @@ class _Lines:
             self.refuse(f"is {shown(self._taken)}, after the end of the settings")
 
     def misplaced(self, wanted: str, code: str = "Y1170") -> NoReturn:
-        """Refuse the last line: another one belongs there."""
-        self.refuse(f"is {shown(self._taken)} where {shown(wanted)} belongs", code)
+        """Refuse the last line that was read, since another line is expected in its place."""
+        self.refuse(f"is {shown(self._taken)}; expected: {shown(wanted)}", code)
 
     def refuse(self, reason: str, code: str = "Y1170") -> NoReturn:
         """End the reading.

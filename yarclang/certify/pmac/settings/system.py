@@ -16,7 +16,7 @@ _MS = Fraction(1, 1000)
 _GUARD_DELAY = Fraction(1, 10)
 """Longest delay until the guard PLC notices that the rotary buffer runs low [s]."""
 _WITHIN = Fraction(1, 100)
-"""Allowed error of the duration of a hold, as a share of the robot's hold time."""
+"""Allowed error of the duration of a hold, as a fraction of the robot's hold time."""
 _MOST_LINES = 2**23 - 1
 """Largest value of I16 and I17 (TSRM 46)."""
 
@@ -36,7 +36,7 @@ def check_system(content: SettingsText, robot: Robot, say: Say) -> None:
     for name, (value, what, code) in wanted.items():
         setting = content.settings[name]
         if setting.value != value:
-            say(code, setting.line, f"{name}={setting.printed}: {value} belongs there, {what}")
+            say(code, setting.line, f"{name}={setting.printed}: it must be {value}, {what}")
     for number, what in ((94, "a change of the override"), (95, "a hold")):
         _check_slew(content, system_variable(system, number), what, robot, say)
     _check_marks(content, robot, say)
@@ -51,6 +51,7 @@ def _check_slew(content: SettingsText, name: str, what: str, robot: Robot, say: 
     hold = Fraction(robot.controller.hold_time)
     cycle = Fraction(i10, _CLOCK) * _MS
     slew = setting.value
+    # The time base falls from I10 to 0 by `slew` in each servo cycle, so it takes I10 / slew cycles.
     time = i10 / slew * cycle if slew > 0 else None
     # The slew must be the integer nearest to the exact value.
     half_step = time is not None and abs(slew - i10 * cycle / hold) < Fraction(501, 1000)
@@ -65,11 +66,14 @@ def _check_slew(content: SettingsText, name: str, what: str, robot: Robot, say: 
 def _check_marks(content: SettingsText, robot: Robot, say: Say) -> None:
     """Check that the guard reacts while enough lines are left for a hold.
 
-    A hold that takes a time T uses up T / 2 of the program's time.
+    During a hold that takes a time T, the program advances as far as it would at full speed in T / 2.
     """
     low, full = content.settings["I16"], content.settings["I17"]
     controller = turbo_pmac(robot)
+    # While the program brakes evenly for a time T, it advances as far as it would at full speed in T / 2.
     ahead = Fraction(controller.hold_time) / 2 + _GUARD_DELAY
+    # The guard acts when fewer than I16 lines are ahead. A text with shorter segments sets an I16 of its own
+    # (checked in `guard.py`).
     there = low.value * Fraction(controller.largest_segment)
     if low.value.denominator != 1 or there < ahead * (1 - Fraction(1, 10**9)):
         message = (

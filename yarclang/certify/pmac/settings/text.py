@@ -72,7 +72,9 @@ class Listing:
 
 @frozen
 class SettingsText:
-    """What the settings text sends to the controller, in order. `settings` are keyed by name, I5 last."""
+    """The content that a settings text sends to the controller, in order. `settings` are keyed by name; I5 is
+    the last one.
+    """
 
     definitions: tuple[Definition, ...]
     pointers: tuple[Pointer, ...]

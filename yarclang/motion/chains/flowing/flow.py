@@ -27,13 +27,13 @@ from yarclang.parallel import mapped
 _SEGMENTS = (0.02, 0.01, 0.005, 0.0025)
 """Segment times that are tried [s]."""
 _WIDTHS = ((4, 1), (6, 3), (3, 2), (8, 4), (2, 1))
-"""Durations of both moving averages that are tried [segments]."""
+"""Durations of the first and of the second moving average that are tried [segments]."""
 _ENOUGH = 1.02
-"""Factor up to which slower motion profiles count as equally fast; longer segments and shorter moving
-averages then win.
+"""Factor up to which a slower motion profile counts as equally fast. Among equally fast ones, those with
+longer segments are tried first, then those with shorter moving averages.
 """
 _TOO_SLOW = 2e-4
-"""Speed of passing a corner below which a stop is better [m/s]."""
+"""Speed at a corner below which the motion stops there instead [m/s]."""
 
 
 @frozen(eq=False)
@@ -89,7 +89,7 @@ def flowing(links: Sequence[Link], grid: Grid, known: Known | None = None) -> li
 
 
 def _flowing(links: Sequence[Link], grid: Grid, known: Known | None) -> list[Piece] | None:
-    """Plan motions that are passed without a stop; None if they can't be planned as one path."""
+    """Plan motions that follow each other without a stop; None if they can't be planned as one path."""
     way = Way.of([link.path for link in links if isinstance(link.path, CartesianPath)])
     return _of_demands(Demands.of(way, Limits.of(links, way)), way, grid, known)
 
@@ -119,9 +119,9 @@ def _of_demands(demands: Demands, way: Way, grid: Grid, known: Known | None) -> 
 
 
 def _made(way: Way, demands: Demands, smoothing: Smoothing, known: Known | None) -> list[Made] | None:
-    """Return the results of all windows of a chain; None if a window fails although it has no seams.
+    """Return the results of all windows of a chain; None if a window without seams fails.
 
-    A window with a seam that fails is merged with its neighbours and planned again.
+    If a window with a seam fails, it is merged with its neighbours and planned again.
     """
     cut, found, reach = windows(way, demands, smoothing), dict[Window, Made | Failed](), 1
     while True:
@@ -148,7 +148,9 @@ def _make(
     found: dict[Window, Made | Failed],
     known: Known | None,
 ) -> None:
-    """Plan windows on all cores of the machine; windows with earlier results aren't planned again."""
+    """Plan windows on all cores of the machine. If an earlier result of a window is known, use this result
+    instead.
+    """
     if known is not None:
         for window in missing:
             before = known.get(way, window, smoothing)
@@ -163,7 +165,7 @@ def _make(
 
 
 def _pieces(parts: Sequence[Made], segment: float) -> list[Piece]:
-    """Return the planned motions of a chain: its curve, cut where its corners are passed."""
+    """Return the planned motions of a chain: cut its curve at the times at which corners are passed."""
     control = np.concatenate([*(part.points[:-3] for part in parts[:-1]), parts[-1].points])
     control.setflags(write=False)
     pieces, begin = list[Piece](), 0
@@ -200,18 +202,20 @@ def is_one_path(links: Sequence[Link]) -> bool:
 
 
 def _likeliest(demands: Demands, grid: Grid) -> Iterator[Smoothing]:
-    """Yield the smoothings to try for a chain, the one with the shortest estimated duration first; longer
-    segments win a tie.
+    """Yield the smoothings to try for a chain, the one with the shortest estimated duration first. If
+    estimates are about equal, the longer segments come first.
     """
-    found = []
+    candidates = []
     for order, segment in enumerate(_segments(grid)):
         for widths in _WIDTHS:
             smoothing = Smoothing(segment, widths)
             ceiling, slope, _ = demands.ceilings(smoothing)
+            # Estimate the duration: that of the law, plus about the time that the moving averages add at both
+            # ends.
             duration = Law.fastest(demands.s, ceiling, slope).duration
-            found.append((duration + smoothing.reach * segment, order, sum(widths), smoothing))
-    while found:
-        least = _ENOUGH * min(one[0] for one in found)
-        best = min((one for one in found if one[0] <= least), key=lambda one: one[1:3])
-        found.remove(best)
+            candidates.append((duration + smoothing.reach * segment, order, sum(widths), smoothing))
+    while candidates:
+        least = _ENOUGH * min(one[0] for one in candidates)
+        best = min((one for one in candidates if one[0] <= least), key=lambda one: one[1:3])
+        candidates.remove(best)
         yield best[3]

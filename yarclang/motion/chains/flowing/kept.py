@@ -20,23 +20,25 @@ _HOLDS = 0.9995
 _NEARLY = 0.99
 _ABOUT = 0.97
 _LESS = 0.01
-"""Reduction of a claimed share of speed: a changing speed can't be proved as sharply as a constant one."""
+"""Amount by which a claimed share of speed is reduced, since bounds of a changing speed are less sharp."""
 _EDGE = 1e-6
 _PARTS = np.array([0.25, 0.5, 0.75])
-"""Places between two times that are sampled in addition."""
+"""Shares of the time between two samples at which a changing speed is sampled in addition."""
 _STEADY = 2e-4
-"""Share of change from one time to the next below which a speed counts as constant."""
+"""Relative change from one sample to the next below which a speed counts as constant."""
 _ASIDE = 4
-"""Number of half segments from a corner within which a speed counts as reached."""
+"""Number of samples, half a segment apart, beside a corner that don't count when the kept speed is
+determined.
+"""
 
 
 def least_speeds(
     way: Way, limits: Limits, points: Sampled, trial: Trial, segment: float, seams: tuple[bool, bool]
 ) -> Array:
-    """Return the shares of the requested speeds (k,) below which the motions don't fall between their blends.
+    """Return the shares (k,) of the requested speeds that the motions keep between their blends.
 
-    For a motion that begins or ends at rest, or beside a slower motion, the share applies after the speed has
-    been reached.
+    If a motion begins at rest or after a slower motion, the share applies once the speed has been reached. If
+    it ends at rest or before a slower motion, the share applies until it slows down.
 
     Args:
         way: the paths of k motions.
@@ -44,7 +46,8 @@ def least_speeds(
         points: the control points of the motions.
         trial: the result of checking these points.
         segment: the segment time [s].
-        seams: two values: whether the first motion begins at a seam, and whether the last ends at one.
+        seams: two flags: True if the first motion begins at a seam, and True if the last motion ends at
+            one.
     """
     times = np.arange(2 * (len(points.points) - 3) + 1, dtype=np.float64) * (0.5 * segment)
     q, rate, _ = Curve(points.points, segment, points.places).sample(times)
@@ -54,7 +57,8 @@ def least_speeds(
     edges = np.where(
         halves > 0, knots, np.concatenate(([0.0], points.passing(way.begins[1:-1], segment), knots[-1:]))
     )
-    # The curve passes a corner slightly before or after the law does.
+    # Leave out the blends. At a corner without a blend, include a segment beyond it, since the curve passes
+    # the corner slightly before or after the motion profile does.
     aside = np.where(halves > 0, halves - _EDGE, -1.0) * segment
     begin = np.searchsorted(times, edges[:-1] + aside[:-1])
     end = np.searchsorted(times, edges[1:] - aside[1:], side="right")
@@ -63,21 +67,25 @@ def least_speeds(
     share = _least_between(speed, begin, end) / asked
     rests = _rests(limits, halves, seams)
     for place in np.flatnonzero(rests.any(axis=0) & is_asked).tolist():
-        own = speed[begin[place] : end[place]]
+        speeds = speed[begin[place] : end[place]]
+        # Find the largest speed that the motion keeps from the time at which it reaches this speed. If the
+        # motion rests at only one end, this is the maximum of the running minimum from the other end.
         if rests[:, place].all():
-            own = _without_dips(own)
+            speeds = _without_dips(speeds)
         elif rests[0, place]:
-            own = np.minimum.accumulate(own[::-1])[_ASIDE:]
+            speeds = np.minimum.accumulate(speeds[::-1])[_ASIDE:]
         else:
-            own = np.minimum.accumulate(own)[_ASIDE:]
-        share[place] = own.max() / asked[place] if len(own) else np.inf
+            speeds = np.minimum.accumulate(speeds)[_ASIDE:]
+        share[place] = speeds.max() / asked[place] if len(speeds) else np.inf
+    # Claim a little less than was sampled. If the speed changes, claim much less, since bounds are less sharp
+    # then.
     claimed = np.where(share > _NEARLY, _HOLDS * share, np.maximum(_ABOUT * share - _LESS, 0.5 * share))
     return np.where(is_asked, np.minimum(claimed, 1.0), 1.0)
 
 
 def _least_between(values: Array, begin: Numbers, end: Numbers) -> Array:
-    """Return the least value in each of K ranges of `values`, from index `begin` (K,) up to `end` (K,);
-    infinite for empty ranges.
+    """Return the least value in each of K ranges of `values`, from index `begin` (K,) up to but not including
+    `end` (K,). The result is infinite for empty ranges.
     """
     pairs = np.stack((begin, end), axis=1).ravel()
     least = np.minimum.reduceat(np.append(values, np.inf), pairs)[::2]
@@ -88,7 +96,7 @@ def _rests(limits: Limits, halves: Numbers, seams: tuple[bool, bool]) -> NDArray
     """Return two masks (2, K): the motions that begin at rest or after a slower motion, and those that end at
     rest or before a slower motion.
 
-    A slower motion counts only if there is no blend between the two.
+    A slower motion counts only if there is no blend at the corner between the two motions.
     """
     slower = limits.speed[:-1] < limits.speed[1:] * (1.0 - _EDGE)
     faster = limits.speed[1:] < limits.speed[:-1] * (1.0 - _EDGE)
@@ -97,10 +105,13 @@ def _rests(limits: Limits, halves: Numbers, seams: tuple[bool, bool]) -> NDArray
 
 
 def _without_dips(speed: Array) -> Array:
-    """Return the speeds (N,), limited to a level below which they don't fall once it is reached.
+    """Return the speeds (N,), limited to the highest level without dips: between the first and the last time
+    at which this level is reached, the speed never falls below the level.
 
-    Between two places that reach the level, no speed is below it.
+    Dips of less than the share `_STEADY` below the largest speed don't count.
     """
+    # For each sample, take the largest speed up to it and the largest from it on; `around` is the lower of
+    # these two. At a dip, the speed is below `around`.
     around = np.minimum(np.maximum.accumulate(speed), np.maximum.accumulate(speed[::-1])[::-1])
     least, dips = np.inf, np.inf
     top = (1.0 - _STEADY) * speed.max(initial=0.0)
@@ -113,10 +124,10 @@ def _without_dips(speed: Array) -> Array:
 def _least_around(way: Way, points: Sampled, segment: float, times: Array, speed: Array) -> Array:
     """Return the least speed between each of N times and the next, (N,).
 
-    If the speed changes, it may be lower between two times than at both of them, so it is sampled in between.
+    A changing speed may be lower between two times than at both of them, so it is sampled more closely there.
     """
-    found = speed.copy()
-    found[:-1] = np.minimum(speed[:-1], speed[1:])
+    least = speed.copy()
+    least[:-1] = np.minimum(speed[:-1], speed[1:])
     change = np.abs(np.diff(speed)) > _STEADY * speed[1:]
     change[1:] |= change[:-1].copy()
     change[:-1] |= change[1:].copy()
@@ -125,5 +136,5 @@ def _least_around(way: Way, points: Sampled, segment: float, times: Array, speed
     closer = times[rows] + 0.5 * segment * _PARTS[:, None]
     q, rate, _ = curve.sample(closer.ravel())
     speeds = frame_speeds(way.paths[0], q, rate).reshape(closer.shape)
-    found[rows] = np.minimum(found[rows], speeds.min(axis=0))
-    return found
+    least[rows] = np.minimum(least[rows], speeds.min(axis=0))
+    return least

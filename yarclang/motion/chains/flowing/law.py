@@ -1,4 +1,4 @@
-"""Define a motion profile: the speed along a path, and the time at which each place is passed."""
+"""Define a motion profile: the speed along a path, and the time at which the motion is at each place."""
 
 from __future__ import annotations
 
@@ -26,19 +26,19 @@ class Law:
     def fastest(s: Array, ceiling: Array, acceleration: Array, ends: tuple[float, float] = (0.0, 0.0)) -> Law:
         """Return the fastest motion profile that is nowhere faster than a ceiling.
 
-        The square of the speed changes by at most twice the acceleration times the distance. The speeds
-        reachable from one end, and those from which the other end can be reached, are therefore running
-        minima.
+        From node to node, the square of the speed changes by at most twice the acceleration times the
+        distance. Therefore the speeds that can be reached from the start, and those from which the end can be
+        reached, are running minima.
 
         Args:
             s: the places of the nodes (N,) [m].
             ceiling: the largest speeds at the nodes (N,) [m/s].
             acceleration: the largest accelerations between the nodes (N - 1,) [m/s^2].
-            ends: the speeds at both ends, or less if these aren't possible [m/s].
+            ends: the wanted speeds at both ends [m/s]; they are lower in the result if they aren't possible.
         """
         # v^2 grows by at most 2 a ds, summed up in `gained`. The largest v^2 that can be reached from the
-        # left is `gained` plus the least value of ceiling^2 - gained up to the node. The other direction is
-        # analogous.
+        # start is `gained` plus the least value of ceiling^2 - gained up to the node. In the other direction,
+        # the same holds from the end.
         gained = np.concatenate(([0.0], np.cumsum(2.0 * acceleration * np.diff(s))))
         square = ceiling**2
         square[0], square[-1] = ends[0] ** 2, ends[1] ** 2
@@ -46,7 +46,8 @@ class Law:
         left = gained[-1] - gained
         square = left + np.minimum.accumulate((square - left)[::-1])[::-1]
         v = np.sqrt(np.maximum(square, 0.0))
-        # The acceleration is constant between nodes, so the mean speed is that of both ends.
+        # The acceleration is constant between nodes, so the mean speed between two nodes is the mean of their
+        # speeds.
         t = np.concatenate(([0.0], np.cumsum(2.0 * np.diff(s) / np.maximum(v[1:] + v[:-1], _STILL))))
         return Law(s, v, t)
 
@@ -56,12 +57,13 @@ class Law:
         return float(self.t[-1])
 
     def places(self, times: Array) -> Array:
-        """Return the places (N,) [m] at times [s]; before the start, the first place, and after the end,
-        the last one.
+        """Return the places (N,) [m] at times [s]. Before the start this is the first place, and after the
+        end the last one.
         """
         k = np.clip(np.searchsorted(self.t, times, side="right") - 1, 0, len(self.t) - 2)
         passed = np.clip(times - self.t[k], 0.0, self.t[k + 1] - self.t[k])
         width = self.s[k + 1] - self.s[k]
+        # Constant acceleration between nodes: (v1^2 - v0^2) / (2 ds).
         slope = (self.v[k + 1] ** 2 - self.v[k] ** 2) / (2.0 * width)
         return self.s[k] + np.clip(self.v[k] * passed + 0.5 * slope * passed**2, 0.0, width)
 
@@ -73,12 +75,12 @@ class Law:
 
 @frozen(eq=False)
 class Pace:
-    """A motion profile between seams, stretched to an integer number of segments.
+    """A motion profile between seams, stretched in time to an integer number of segments.
 
-    Only a profile that ends at a seam is stretched, by less than a segment, and not near the seams. `seams`
-    has two values: whether the profile begins at a seam, and whether it ends at one; there the speed
-    continues. At `times` (M,) [s] the stretched profile is where the unstretched `law` is at `passed` (M,)
-    [s].
+    Only a profile that ends at a seam is stretched. This adds less than a segment, and parts near seams stay
+    unchanged. `seams` has two flags: True if the profile begins at a seam, and True if it ends at a seam.
+    Beyond a seam the motion continues at the seam's speed. At `times` (M,) [s] the stretched profile is where
+    the unstretched `law` is at `passed` (M,) [s].
     """
 
     law: Law
@@ -92,12 +94,13 @@ class Pace:
 
         Args:
             law: the motion profile, which ends at rest or at a seam.
-            seams: two values: whether the profile begins at a seam, and whether it ends at one.
-            around: durations at both ends in which the profile stays unchanged [s].
+            seams: two flags: True if the profile begins at a seam, and True if it ends at one.
+            around: time after the first seam, and time before the second one, in which the profile stays
+                unchanged [s].
             segment: the segment time [s].
         """
         duration = law.duration
-        # Times are stretched linearly between the surroundings of both ends, which keep their pace.
+        # Times near a seam aren't stretched; the times in between are stretched evenly.
         whole = segment * np.ceil(duration / segment - 1e-6) if seams[1] else duration
         begin, end = around[0] if seams[0] else 0.0, around[1] if seams[1] else 0.0
         times = np.array([0.0, begin, max(whole - end, begin), whole])
@@ -112,16 +115,14 @@ class Pace:
     def by_law(self, times: Array) -> Array:
         """Return the times of the unstretched profile [s] that correspond to stretched times (N,) [s].
 
-        Before the start and after the end, time continues at the same rate.
+        Before the start and after the end, both times pass at the same rate.
         """
         found: Array = np.interp(times, self.times, self.passed)
         found += np.minimum(times, 0.0) + np.maximum(times - self.duration, 0.0)
         return found
 
     def places(self, times: Array) -> Array:
-        """Return the places (N,) [m] at times [s]; beyond a seam the motion continues with the speed at
-        the seam.
-        """
+        """Return the places (N,) [m] at times [s]. Beyond a seam the motion continues at the seam's speed."""
         passed, law = self.by_law(times), self.law
         found = law.places(passed)
         if self.seams[0]:

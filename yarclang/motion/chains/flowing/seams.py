@@ -1,6 +1,6 @@
 """Cut a long chain into windows that can be planned independently.
 
-The cuts ("seams") are at corners that the windows on both sides pass at the same speed.
+The chain is cut at corners, called seams. The windows before and after a seam pass it at one agreed speed.
 """
 
 from __future__ import annotations
@@ -15,13 +15,15 @@ from yarclang.motion.chains.flowing.way import Marks, Numbers, Way
 from yarclang.motion.chains.flowing.window import Window
 
 SHORTEST = 128
-"""Least number of motions of a window. A window has less than twice as many if a seam is found."""
+"""Least number of motions of a window. A window has fewer than twice as many if a suitable corner is
+found.
+"""
 _LONGER = 8
-"""Least duration of a window, as a multiple of the time for which the speed is kept at a seam."""
+"""Least duration of a window, as a multiple of the time for which the speed is constant at a seam."""
 _SLOWEST = 1e-3
 """Least speed at a seam [m/s]."""
 _EVEN = 0.7
-"""Least ratio of a seam's speed to the largest speed around it."""
+"""Least ratio of the lowest to the highest speed around a corner for which the corner can be a seam."""
 _SLOWER = 0.93
 """Factor by which a seam's speed is reduced if the speed around it changes."""
 _FLAT = 1e-9
@@ -30,10 +32,10 @@ _ODD = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], dt
 
 @frozen(eq=False)
 class _Corners:
-    """The corners (k - 1,) of a chain, rated as seams between windows.
+    """The corners (k - 1,) of a chain, rated as possible seams between windows.
 
-    `good` is larger for better corners and 0 for impossible ones. `speed` [m/s] and `time` [s] say how fast
-    and when a corner is passed.
+    `good` is larger for better corners and 0 for impossible ones. `speed` [m/s] is the speed at which a
+    corner is passed if it becomes a seam, and `time` [s] is the time at which the motion profile passes it.
     """
 
     good: Array
@@ -42,9 +44,9 @@ class _Corners:
 
 
 def windows(way: Way, demands: Demands, smoothing: Smoothing) -> list[Window]:
-    """Cut a chain into windows, at good seams.
+    """Cut a chain into windows, at the best corners.
 
-    The choice of a seam depends only on its surroundings, so that a change of one motion moves only the
+    The choice of a corner depends only on its surroundings. A change of one motion therefore moves only the
     nearest seams.
     """
     count = len(way.paths)
@@ -53,28 +55,28 @@ def windows(way: Way, demands: Demands, smoothing: Smoothing) -> list[Window]:
     ceiling, slope, rounds = demands.ceilings(smoothing)
     law = Law.fastest(demands.s, ceiling, slope)
     corners = _looked_at(way, demands, law, smoothing, rounds)
-    found, begin, speed = [], 0, 0.0
+    cut, begin, speed = [], 0, 0.0
     least = _LONGER * smoothing.kept * smoothing.segment
     time = 0.0
     while True:
         # Motion c + 1 begins at corner number c.
         first = max(begin + SHORTEST, int(np.searchsorted(corners.time, time + least)) + 1)
         last = min(first + SHORTEST, count - SHORTEST)
-        own = slice(first - 1, max(last - 1, first - 1))
-        if own.start == own.stop or law.duration - corners.time[own.start] < least:
+        near = slice(first - 1, max(last - 1, first - 1))
+        if near.start == near.stop or law.duration - corners.time[near.start] < least:
             break
-        best = own.start + int(np.argmax(corners.good[own]))
+        best = near.start + int(np.argmax(corners.good[near]))
         if corners.good[best] == 0.0:
             # No good corner is near: extend the window.
-            later = np.flatnonzero(corners.good[own.stop : count - SHORTEST - 1])
+            later = np.flatnonzero(corners.good[near.stop : count - SHORTEST - 1])
             if not len(later):
                 break
-            best = own.stop + int(later[0])
+            best = near.stop + int(later[0])
         seam, faster = best + 1, float(corners.speed[best])
-        found.append(Window(begin, seam, (speed, faster)))
+        cut.append(Window(begin, seam, (speed, faster)))
         begin, speed, time = seam, faster, float(corners.time[best])
-    found.append(Window(begin, count, (speed, 0.0)))
-    return found
+    cut.append(Window(begin, count, (speed, 0.0)))
+    return cut
 
 
 def merged(cut: list[Window], failed: list[bool], reach: int) -> list[Window]:
@@ -85,18 +87,18 @@ def merged(cut: list[Window], failed: list[bool], reach: int) -> list[Window]:
     together = np.zeros(len(cut) - 1, dtype=np.bool_)
     for place in np.flatnonzero(failed).tolist():
         together[max(0, place - reach) : place + reach] = True
-    found = [cut[0]]
+    result = [cut[0]]
     for window, joined in zip(cut[1:], together.tolist(), strict=True):
         if joined:
-            before = found.pop()
-            found.append(Window(before.first, window.last, (before.speeds[0], window.speeds[1])))
+            before = result.pop()
+            result.append(Window(before.first, window.last, (before.speeds[0], window.speeds[1])))
         else:
-            found.append(window)
-    return found
+            result.append(window)
+    return result
 
 
 def _looked_at(way: Way, demands: Demands, law: Law, smoothing: Smoothing, rounds: Marks) -> _Corners:
-    """Rate the corners as seams."""
+    """Rate the corners of a chain as possible seams."""
     at = demands.corners
     time = law.t[at]
     around = (smoothing.kept + smoothing.reach) * smoothing.segment
@@ -114,7 +116,7 @@ def _looked_at(way: Way, demands: Demands, law: Law, smoothing: Smoothing, round
 
 def _extremes(values: Array, begin: Numbers, end: Numbers) -> tuple[Array, Array]:
     """Return the least and the largest value in each of K ranges of `values`, from index `begin` (K,) up to
-    `end` (K,).
+    but not including `end` (K,).
     """
     pairs = np.stack((begin, end), axis=1).ravel()
     return np.minimum.reduceat(values, pairs)[::2], np.maximum.reduceat(values, pairs)[::2]
@@ -128,8 +130,9 @@ def _rounded(values: Array, digits: int) -> Array:
 
 
 def _scattered(points: Array) -> Array:
-    """Return a pseudorandom number from 0 to 1 for each point (K, 3), always the same for the same point."""
+    """Return a pseudorandom number from 0 to 1 for each point (K, 3). It depends only on the point."""
     bits = np.ascontiguousarray(points).view(np.uint64)
+    # Multiply and xorshift the bits of the coordinates; the highest 53 bits are the fraction of a float64.
     mixed = (bits * _ODD).sum(axis=1, dtype=np.uint64)
     mixed ^= mixed >> np.uint64(29)
     mixed *= _ODD[1]

@@ -1,5 +1,5 @@
-"""Check the control points of a chain: compute which share of each limit, and of the allowed distance from
-the paths, they use over time.
+"""Check the control points of a chain over time: compute which share of each limit they use, and which share
+of the allowed distance from the paths.
 """
 
 from __future__ import annotations
@@ -18,39 +18,45 @@ from yarclang.robot.kinematics.fk import poses_and_jacobians, tool_poses
 
 _NOTHING = 1e-12
 _AHEAD = 5e-4
-"""Half of the share of a path over which its direction is measured."""
+"""Half of the interval of a path's parameter over which its direction is measured."""
 _FOR_TURNS = 1.5
 _LITTLE = 1e-3
 _SHARPER = 0.35
-"""Increase of the miss per unit of the change of direction, where a corner is cut off.
+"""Factor for a reserve at corners: the distance from the path is multiplied by 1 plus this factor times the
+change of direction at the corner.
 
-The path is followed up to its end at one instant, which can't be proved as sharply.
+Bounds are less sharp at a corner, and the proof requires that each path is followed up to its end at some
+instant.
 """
 _FASTER = 1.0004
-"""Factor up to which a requested speed may be exceeded; the rest of the allowance is left to the proof."""
+"""Factor up to which a requested speed may be exceeded. The proof allows more; the difference is its
+reserve.
+"""
 _STEEP, _BETWEEN = 2e-4, 2.0
-"""Conditions under which a speed is sampled more densely: it changes by more than the first share from one
-half segment to the next, and the second factor times the change would make it too fast.
+"""A speed is sampled more closely if it changes by more than the share `_STEEP` from one half segment to the
+next, and would be too fast if it rose by `_BETWEEN` times this change.
 """
 _PARTS = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
-"""Places in a half segment that are sampled in addition.
+"""Shares of a half segment at which the speed is sampled more closely.
 
-The end is one of them: a slower motion may end there, just before the speed rises.
+The end of the half segment is included, since a slower motion may end there, just before the speed rises.
 """
 _NEARBY = 1.5
-"""Distance from a corner, in segments, within which a place may belong to the adjacent motion."""
+"""Number of segments from a corner within which a place may belong to either motion at the corner."""
 
 
 @frozen(eq=False)
 class Excess:
-    """The shares (N,) of allowed amounts that are above 1, and the times (N,) [s] at which they occur."""
+    """The places at which something exceeds what is allowed: `times` (N,) [s], and `shares` (N,), which are
+    the ratios to the allowed amounts, all above 1.
+    """
 
     times: Array
     shares: Array
 
     @staticmethod
     def of(times: Array, shares: Array) -> Excess:
-        """Return the shares (N,) that are above 1, with their times."""
+        """Return those of the shares (N,) that are above 1, with their times."""
         over = shares > 1.0
         return Excess(times[over], shares[over])
 
@@ -68,8 +74,9 @@ class Excess:
 class Trial:
     """The result of checking the control points of a chain.
 
-    It has the knots at which motions end (k + 1,), half the width of the overlap at each corner (k - 1,)
-    [segments], and what exceeds limits, distances from the path, and zones.
+    `ends` (k + 1,) are the knots at which motions end, `halves` (k - 1,) half the widths of the overlaps at
+    the corners [segments]. `limits`, `way` and `zones` are the excesses over limits and requested speeds,
+    over the allowed distances from the paths, and over the speeds of slow zones.
     """
 
     ends: Numbers
@@ -101,11 +108,11 @@ def tried(
         sampled: the control points.
         segment: the segment time [s].
         rounds: mask of the corners that are rounded within their balls (k - 1,).
-        own: range of the motions that belong to the window; a motion without a segment matters only in it.
+        own: range of the motions that belong to the window. Only these must have a segment.
         time: the interval in which excesses are reported [s].
     """
     passed = sampled.begin + sampled.passing(way.begins[1:-1], segment)
-    # A motion ends at the knot nearest to the time at which its corner is passed.
+    # A motion ends at the knot nearest to the time at which its end corner is passed.
     inner = np.round((passed - sampled.begin) / segment).astype(np.int64)
     ends = np.concatenate(([0], inner, [len(sampled.points) - 3]))
     if (np.diff(ends)[own] < 1).any():
@@ -130,9 +137,9 @@ class _Look:
     sharper: Array
 
     def limits_broken(self) -> Excess:
-        """Return where differences of control points exceed the limits of velocity, acceleration and jerk.
+        """Return the excesses of the control points over the limits of velocity, acceleration and jerk.
 
-        The differences bound the derivatives (convex hull property).
+        The derivatives of the curve are bounded by differences of control points (convex hull property).
         """
         points, h, limits = self.sampled.points, self.segment, self.limits
         times, shares = [], []
@@ -140,7 +147,7 @@ class _Look:
             change = np.diff(points, order, axis=0)
             if name == "motor_velocity":
                 change = change @ limits.counts.T
-            # Assign a difference to the middle of the control points from which it is computed.
+            # A difference counts for the middle of the control points from which it is computed.
             at = self.sampled.begin + h * (np.arange(len(change), dtype=np.float64) + 0.5 * order - 1.0)
             own = self._own(at)
             times.append(at)
@@ -148,7 +155,7 @@ class _Look:
         return Excess.of(np.concatenate(times), np.concatenate(shares))
 
     def zones_broken(self) -> Excess:
-        """Return where an item is faster than its slow zone allows."""
+        """Return the excesses of items over the speeds of their slow zones."""
         if self.limits.zones is None:
             return Excess(np.zeros(0), np.zeros(0))
         segments, factors = self.limits.zones.too_fast(self.sampled.points, self.segment)
@@ -167,9 +174,10 @@ class _Look:
         return found
 
     def too_fast(self, poses: Array, halves: Numbers) -> Excess:
-        """Return where the moving frame is faster than requested.
+        """Return the excesses of the moving frame over the requested speeds.
 
-        This may happen since sharpened control points overshoot slightly.
+        The frame may be too fast because the control points were sharpened, so that the curve overshoots
+        slightly.
 
         Args:
             poses: (N, 4, 4) poses of the frame, two in each segment.
@@ -178,14 +186,14 @@ class _Look:
         h, path, points = self.segment, self.way.paths[0], self.sampled.points
         speeds = np.linalg.norm(np.diff(poses[:, :3, 3], axis=0), axis=1) / (0.5 * h)
         at = 0.5 * h * np.arange(len(speeds), dtype=np.float64)
-        # A segment belongs to the motion between whose ends it lies. In a blend, and only there, the speed of
-        # the faster motion is allowed.
+        # A segment belongs to the motion between whose ends it lies. Only in a blend, the speed of the faster
+        # of the two motions is allowed.
         segments = np.arange(len(speeds)) // 2
         limit, inner = self.limits.speed, self.ends[1:-1]
         one = limit[np.searchsorted(inner - halves, segments, side="right")]
         other = limit[np.searchsorted(inner + halves, segments, side="right")]
         allowed = _FASTER * np.maximum(one, other)
-        # If the speed changes, it may be higher between two samples.
+        # A changing speed may be higher between two samples than at them.
         change = np.abs(np.diff(speeds, prepend=speeds[0], append=speeds[-1]))
         steepest = np.maximum(change[1:], change[:-1])
         (rows,) = np.nonzero((steepest > _STEEP * speeds) & (speeds + _BETWEEN * steepest > allowed))
@@ -196,14 +204,14 @@ class _Look:
         return Excess.of(self.sampled.begin + at + 0.25 * h, speeds / allowed)
 
     def way_left(self, poses: Array) -> tuple[Numbers, Excess]:
-        """Compute how far the curve leaves the programmed paths.
+        """Compute the excesses of the curve over the allowed distance from the programmed paths.
 
         Args:
             poses: (N, 4, 4) poses of the frame, two in each segment.
 
         Returns:
-            Half the widths of the overlaps at the corners [segments], and where the distance from the paths,
-            or from the corners in their overlaps, is too large.
+            Half the widths of the overlaps at the corners [segments], and the excesses. In overlaps the
+            distance is from the corner, otherwise from the path.
         """
         way, limits, h = self.way, self.limits, self.segment
         at = np.arange(len(poses)) / 2.0
@@ -211,7 +219,7 @@ class _Look:
         gone = np.empty(len(poses))
         gone[0::2], gone[1::2] = knot_values(self.sampled.places), middle_values(self.sampled.places)
         off = self._off(poses, gone)
-        corner, far = self._nearest(at)
+        corner, from_corner = self._nearest(at)
         halves = np.zeros(len(self.passed), dtype=np.int64)
         if not len(halves):
             return halves, Excess.of(times, off)
@@ -219,19 +227,19 @@ class _Look:
         rows = np.flatnonzero(self.rounds[corner] & (off > _LITTLE))
         off[rows] = self._off_by_knots(poses[rows], gone[rows], at[rows])
         rows = rows[off[rows] > 1.0]
-        np.maximum.at(halves, corner[rows], np.floor(far[rows] + 1e-9).astype(np.int64) + 1)
+        np.maximum.at(halves, corner[rows], np.floor(from_corner[rows] + 1e-9).astype(np.int64) + 1)
         halves = np.where(self.rounds, np.maximum(halves, 1), 0)
         sizes = np.diff(self.ends)
         halves = np.minimum(halves, np.minimum(sizes[:-1], sizes[1:]) // 2)
-        # At the end of a blend both conditions apply.
-        in_ball, on_path = far <= halves[corner], far >= halves[corner]
+        # At the end of a blend, both the distance from the corner and that from the path count.
+        in_ball, on_path = from_corner <= halves[corner], from_corner >= halves[corner]
         in_ball &= halves[corner] > 0
         centres = way.positions(np.arange(1, len(halves) + 1), np.zeros(len(halves)))
         radii = np.maximum(WITHIN * limits.radius, _NOTHING)
         away = np.linalg.norm(poses[:, :3, 3] - centres[corner], axis=1)
         share = np.where(in_ball, away / radii[corner], 0.0)
         share = np.where(on_path, np.maximum(share, off), share)
-        # The end of a blend may be nearer to another corner.
+        # The end of a blend may be nearer to another corner than to its own: check it for its own corner.
         (rounded,) = np.nonzero(halves)
         for knots in (self.ends[1:-1] - halves, self.ends[1:-1] + halves):
             rows = 2 * knots[rounded]
@@ -241,7 +249,7 @@ class _Look:
         return halves, Excess.of(np.concatenate((times, self.passed)), np.concatenate((share, missed)))
 
     def _nearest(self, at: Array) -> tuple[Numbers, Array]:
-        """Return, for each of N times `at` [segments], the nearest corner and the distance to it
+        """Return the nearest corner for each of N times `at` [segments], and the time from or to this corner
         [segments], (N,) each.
         """
         own = np.clip(np.searchsorted(self.ends, at, side="right") - 1, 0, len(self.ends) - 2)
@@ -250,10 +258,9 @@ class _Look:
         return corner, np.abs(at - self.ends[corner + 1])
 
     def _off(self, poses: Array, gone: Array) -> Array:
-        """Return how far poses are from the path of their motion, as shares (N,) of the tolerance.
+        """Return the distances of poses from the path of their motion, as shares (N,) of the tolerance.
 
-        Next to a corner, the path of the motion beyond the corner counts as well: the smaller distance is
-        returned.
+        Near a corner, the distance from the path beyond the corner counts if it is smaller.
 
         Args:
             poses: (N, 4, 4) poses of the frame, two in each segment.
@@ -262,6 +269,8 @@ class _Look:
         way = self.way
         own, share = way.located(gone)
         off = self._beside(poses, own, share)
+        # Up to this distance from a corner, the path beyond the corner counts too: the distance covered in
+        # `_NEARBY` segments. In each segment there are two poses.
         near = 2.0 * _NEARBY * np.gradient(gone)
         for side, edge, end in ((-1, gone - way.begins[own], 1.0), (1, way.begins[own + 1] - gone, 0.0)):
             other = np.clip(own + side, 0, len(way.paths) - 1)
@@ -273,10 +282,11 @@ class _Look:
         return off
 
     def _off_by_knots(self, poses: Array, gone: Array, at: Array) -> Array:
-        """Return how far poses (N, 4, 4) are from the path of the motion that each pose's knot `at` (N,)
-        belongs to, as shares (N,) of the tolerance.
+        """Return the distances of poses (N, 4, 4) from the path of their motion, as shares (N,) of the
+        tolerance.
 
-        At the border of two motions, the larger distance is returned.
+        The time `at` (N,) [segments] decides to which motion a pose belongs. At the border of two motions,
+        the larger distance counts.
         """
         off, count = np.zeros(len(at)), len(self.way.paths)
         for side in ("left", "right"):
@@ -287,13 +297,13 @@ class _Look:
         return off
 
     def _beside(self, poses: Array, own: Numbers, share: Array) -> Array:
-        """Return how far poses (N, 4, 4) are from the paths of motions `own` (N,), as shares (N,) of the
+        """Return the distances of poses (N, 4, 4) from the paths of motions `own` (N,), as shares (N,) of the
         tolerance.
 
         `share` (N,) is the approximate place of each pose on its path.
         """
         way, p = self.way, poses[:, :3, 3]
-        # Newton's method finds the nearest place; on a line one step suffices.
+        # Find the nearest place on the path by Newton's method; on a line one step suffices.
         for _ in range(1 if way.is_straight else 2):
             ahead = self._ahead(own, share)
             along = np.einsum("ni,ni->n", p - way.positions(own, share), ahead) / np.maximum(
@@ -320,9 +330,9 @@ class _Look:
         return ahead
 
     def _missed(self) -> Array:
-        """Return by how much the curve misses each corner, as shares (k - 1,) of the tolerance.
+        """Return the distance by which the curve misses each corner, as a share (k - 1,) of the tolerance.
 
-        A corner that is passed early or late along the path isn't missed.
+        Passing a corner early or late along the path doesn't count as missing it.
         """
         way, h, limits = self.way, self.segment, self.limits
         points, count = self.sampled.points, len(self.passed)
@@ -333,13 +343,14 @@ class _Look:
         velocity, spin = twist[:, :3], twist[:, 3:]
         miss = p - poses[:, :3, 3]
         square = np.maximum(np.einsum("ni,ni->n", velocity, velocity), _NOTHING)
-        # Move along the velocity to the instant nearest to the corner, by at most a segment, and turn the
-        # frame by the same time.
+        # Find the instant, at most a segment away, at which the frame is nearest to the corner: move the
+        # frame along its velocity, and rotate it at its present rate, up to this instant.
         late = np.clip(np.einsum("ni,ni->n", miss, velocity) / square, -h, h)[:, None]
         turned = poses[:, :3, :3] + late[:, :, None] * np.cross(spin[:, :, None], poses[:, :3, :3], axis=1)
         distance = np.linalg.norm(miss - late * velocity, axis=1)
         turned_by = angle_between(matrices(turns), turned) / np.minimum(limits.angle[1:], limits.angle[:-1])
-        # If the direction changes as well, the orientation is nearest at another instant.
+        # If the direction of the path changes as well, the orientation is nearest at another instant than the
+        # position: add a reserve.
         turned_by *= self.sharper**_FOR_TURNS
         found: Array = self.sharper * np.maximum(
             distance / np.minimum(limits.position[1:], limits.position[:-1]), turned_by

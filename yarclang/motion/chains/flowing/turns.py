@@ -1,4 +1,4 @@
-"""Compute with orientations as quaternions, scalar first, on whole arrays."""
+"""Compute with orientations as quaternions (scalar first), on whole arrays."""
 
 from __future__ import annotations
 
@@ -10,12 +10,13 @@ from yarclang.hir import Array
 def quaternions(rotations: Array) -> Array:
     """Return quaternions (N, 4) of rotations (N, 3, 3).
 
-    All products of two components are sums of entries. The products with the largest component give the
-    components most accurately (Shepperd, 1978).
+    All products of two components are sums of entries of the rotation matrix. The products with the largest
+    component give the components most accurately (Shepperd, 1978).
     """
     xx, yy, zz = (rotations[:, i, i] for i in range(3))
     wx, wy, wz = (rotations[:, j, i] - rotations[:, i, j] for i, j in ((1, 2), (2, 0), (0, 1)))
     xy, zx, yz = (rotations[:, j, i] + rotations[:, i, j] for i, j in ((0, 1), (2, 0), (1, 2)))
+    # Row i has the products of component i with all components, times four.
     products = np.array(
         [
             [1.0 + xx + yy + zz, wx, wy, wz],
@@ -31,9 +32,10 @@ def quaternions(rotations: Array) -> Array:
 
 
 def product(one: Array, other: Array) -> Array:
-    """Return products (N, 4) of quaternions: the turn by `other`, followed by the turn by `one`."""
+    """Return products (N, 4) of quaternions: the rotation by `other`, followed by the rotation by `one`."""
     a, b, c, d = one.T
     e, f, g, h = other.T
+    # Hamilton product.
     return np.stack(
         (
             a * e - b * f - c * g - d * h,
@@ -47,21 +49,22 @@ def product(one: Array, other: Array) -> Array:
 
 def matrices(turns: Array) -> Array:
     """Return rotations (N, 3, 3) of unit quaternions (N, 4)."""
+    # I + 2 w [v]x + 2 [v]x^2 with the vector part v = (x, y, z).
     w, x, y, z = turns.T
-    found = np.empty((len(turns), 3, 3))
-    found[:, 0, 0], found[:, 1, 1], found[:, 2, 2] = (
+    rotations = np.empty((len(turns), 3, 3))
+    rotations[:, 0, 0], rotations[:, 1, 1], rotations[:, 2, 2] = (
         1.0 - 2.0 * (y * y + z * z),
         1.0 - 2.0 * (x * x + z * z),
         1.0 - 2.0 * (x * x + y * y),
     )
-    found[:, 0, 1], found[:, 1, 0] = 2.0 * (x * y - z * w), 2.0 * (x * y + z * w)
-    found[:, 0, 2], found[:, 2, 0] = 2.0 * (x * z + y * w), 2.0 * (x * z - y * w)
-    found[:, 1, 2], found[:, 2, 1] = 2.0 * (y * z - x * w), 2.0 * (y * z + x * w)
-    return found
+    rotations[:, 0, 1], rotations[:, 1, 0] = 2.0 * (x * y - z * w), 2.0 * (x * y + z * w)
+    rotations[:, 0, 2], rotations[:, 2, 0] = 2.0 * (x * z + y * w), 2.0 * (x * z - y * w)
+    rotations[:, 1, 2], rotations[:, 2, 1] = 2.0 * (y * z - x * w), 2.0 * (y * z + x * w)
+    return rotations
 
 
 def steadied(turns: Array) -> Array:
-    """Return the quaternions (N, 4) with signs such that consecutive ones are near each other."""
+    """Return the quaternions (N, 4), with signs chosen such that consecutive ones are near each other."""
     flips = np.where(np.einsum("ni,ni->n", turns[1:], turns[:-1]) < 0.0, -1.0, 1.0)
     return turns * np.concatenate(([1.0], np.cumprod(flips)))[:, None]
 

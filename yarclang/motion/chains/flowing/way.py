@@ -19,21 +19,24 @@ Numbers = NDArray[np.int64]
 Marks = NDArray[np.bool_]
 
 RADIAN = 0.1
-"""Length that counts for a radian of a pure turn [m]."""
+"""Length that a pure rotation by 1 rad adds to the joined path [m]."""
 
 _SHORT = 0.05
-"""Joint motion below which the joints are nearly linear along a motion [rad or m], and thus good seeds."""
+"""Motion of a joint along a path [rad or m] up to which joint positions are interpolated linearly between the
+path's ends, as initial guesses.
+"""
 
 
 @frozen(eq=False)
 class Way:
     """The Cartesian paths of k motions, joined to one path.
 
-    `lengths` (k,) [m] are the lengths of the paths; `begins` (k + 1,) [m] are the places at which the paths
-    begin, and the end of the last one. Lines and arcs are stored as arrays. A line goes from `start` (k, 3)
-    by `shift` (k, 3). An arc goes about `centre` (k, 3) by `sweep` (k,), in the plane of the axes `along` and
-    `side` (k, 3) [m]. Along both, the frame turns by `angle` (k,) about `axis` (k, 3), from the orientation
-    `turn` (k, 4).
+    `lengths` (k,) [m] are the lengths of the paths. `begins` (k + 1,) [m] are the places at which the paths
+    begin, and the end of the last one.
+
+    Lines and arcs are stored as arrays. A line goes from `start` (k, 3) by `shift` (k, 3). An arc goes about
+    its centre `start` (k, 3) by the angle `sweep` (k,), in the plane of the axes `along` and `side` (k, 3)
+    [m]. Along both, the frame turns by `angle` (k,) about `axis` (k, 3), from the orientation `turn` (k, 4).
     """
 
     paths: tuple[CartesianPath, ...]
@@ -53,7 +56,7 @@ class Way:
 
     @staticmethod
     def of(paths: Sequence[CartesianPath]) -> Way:
-        """Join the paths of motions, each of which begins at the end of the one before."""
+        """Join the paths of consecutive motions. Each path begins where the path before it ends."""
         count = len(paths)
         extents = [extent_of(path.frame) for path in paths]
         lengths = [size * RADIAN if turns else size for size, turns in extents]
@@ -70,6 +73,7 @@ class Way:
             if isinstance(frame, Line):
                 start[place], shift[place] = frame.base_from_start[:3, 3], frame.shift
             else:
+                # An arc is centre + cos(phi) spoke + sin(phi) (normal x spoke).
                 spoke = frame.base_from_start[:3, 3] - frame.centre
                 start[place], along[place], sweep[place] = frame.centre, spoke, frame.sweep
                 side[place] = np.cross(frame.normal, spoke)
@@ -77,6 +81,7 @@ class Way:
         tracks = [path.followed.q for path in paths]
         begins = np.cumsum([0] + [len(track) for track in tracks[:-1]])
         q = np.concatenate(tracks)
+        # Determine the range of each joint on each path.
         moved = (np.maximum.reduceat(q, begins) - np.minimum.reduceat(q, begins)).max(axis=1)
         return Way(
             tuple(paths), *_begun(lengths), start, shift, sweep, along, side, axis, angle,
@@ -84,9 +89,9 @@ class Way:
         )  # fmt: skip
 
     def part(self, first: int, last: int) -> Way:
-        """Return the joined path of the motions from `first` up to `last`.
+        """Return the joined path of the motions from `first` up to but not including `last`.
 
-        The results of its methods don't depend on where these motions are in a chain.
+        The results of its methods don't depend on the motions' place in a chain.
         """
         own = slice(first, last)
         return Way(
@@ -102,20 +107,21 @@ class Way:
         return self.paths[0].flange_from_moving
 
     def located(self, places: Array) -> tuple[Numbers, Array]:
-        """Return, for places (N,) [m] along the joined path, the motions (N,) and the shares (N,) of the
-        motions' paths.
+        """Find the motion to which each of N places [m] along the joined path belongs. Return the motions
+        (N,) and the shares (N,) of their paths.
         """
         own = np.clip(np.searchsorted(self.begins, places, side="right") - 1, 0, len(self.paths) - 1)
         begin = self.begins[own]
         return own, np.clip((places - begin) / (self.begins[own + 1] - begin), 0.0, 1.0)
 
     def poses(self, own: Numbers, share: Array) -> tuple[Array, Array]:
-        """Return positions (N, 3) [m] and quaternions (N, 4) of the moving frame at shares (N,) of the paths
-        of motions `own` (N,).
+        """Return positions (N, 3) [m] and quaternions (N, 4) of the moving frame.
 
-        The signs of the quaternions are arbitrary.
+        `own` (N,) are motions, and `share` (N,) are shares of their paths. The signs of the quaternions are
+        arbitrary.
         """
         p = self._plain_positions(own, share)
+        # A rotation by an angle about an axis is the quaternion (cos(angle / 2), sin(angle / 2) axis).
         half = (share * self.angle[own] / 2.0)[:, None]
         turns = product(np.concatenate((np.cos(half), np.sin(half) * self.axis[own]), axis=1), self.turn[own])
         for rows in self._rows(own, ~self.is_plain):
@@ -151,7 +157,8 @@ class Way:
         """Return approximate joint positions (N, n) [rad or m] along the path, as initial guesses for inverse
         kinematics.
         """
-        # Interpolate linearly between the ends; on motions with much joint motion, use the followed joints.
+        # Interpolate linearly between the ends. On motions with much joint motion, use the followed joint
+        # positions instead.
         q = self.ends[own] + share[:, None] * (self.ends[own + 1] - self.ends[own])
         for rows in self._rows(own, self.is_bent):
             q[rows] = self.paths[own[rows[0]]].followed.at(share[rows])
@@ -159,7 +166,7 @@ class Way:
 
     @staticmethod
     def _rows(own: Numbers, wanted: NDArray[np.bool_]) -> Iterator[Numbers]:
-        """Yield, for each of the wanted motions, the indices of the rows that belong to it."""
+        """For each motion that is True in `wanted`, yield the indices of its rows in `own`."""
         (rows,) = np.nonzero(wanted[own])
         if len(rows):
             order = np.argsort(own[rows], kind="stable")
@@ -167,8 +174,8 @@ class Way:
 
 
 def _begun(lengths: Sequence[float] | Array) -> tuple[Array, Array]:
-    """Return the lengths of paths as an array (k,), and the places where they begin and where the last one
-    ends (k + 1,), counted from 0.
+    """Return the lengths of joined paths as an array (k,), and the places (k + 1,) at which the paths begin,
+    followed by the end of the last path.
     """
     own = np.array(lengths, dtype=np.float64)
     return own, np.concatenate(([0.0], np.cumsum(own)))

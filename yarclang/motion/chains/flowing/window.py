@@ -1,5 +1,5 @@
-"""Plan the motions between two seams of a chain: compute a motion profile and the control points, and slow
-the profile down where the control points exceed a limit.
+"""Plan the motions between two seams of a chain: compute a motion profile and the control points. Where the
+control points exceed a limit, slow the profile down and compute them again.
 """
 
 from __future__ import annotations
@@ -18,30 +18,34 @@ from yarclang.progress import go_on
 
 _ROUNDS = 16
 _SLOWER = 0.7
-"""Exponent with which an excess slows a law down, in the first round."""
+"""Exponent of the correction in the first round: the speed is divided by the factor by which a limit is
+exceeded, raised to this power.
+"""
 _MORE = 0.3
-"""Increase of that exponent in each round."""
+"""Amount by which this exponent grows in each round."""
 _LEAST = 0.5
-"""Least factor of a single slow-down."""
+"""Least factor by which a speed is reduced in one round."""
 _BEYOND = 0.99
-"""Additional factor by which a motion profile is slowed down, so that it is slightly slower than required."""
+"""Additional factor of each reduced speed, so that it is slightly lower than required."""
 _SLOWEST = 2e-5
-"""Speed within a window below which planning is given up [m/s]."""
+"""Speed below which planning of a window is given up [m/s]."""
 _MOST = 0.5
-"""Share of all changes of direction near a place that a corner must have to be blamed for an excess there."""
+"""Share of the sharpness of all corners near an excess. If the sharpest corner has at least this share, only
+this corner is slowed down.
+"""
 _SAME = 1e-9
 _NOTHING = 1e-15
 _LITTLE = 1e-7
-"""Distance below which places count as equal [m]."""
+"""Distance up to which places count as equal [m]."""
 
 
 @frozen
 class Window:
-    """The motions from `first` up to `last` of a chain, which are planned together, and the speeds at both
-    ends [m/s].
+    """The motions of a chain from `first` up to but not including `last`, which are planned together, and the
+    speeds at both ends [m/s].
 
-    A speed is 0 for an end at rest, otherwise the speed at a seam. The result of a window depends only on its
-    motions and a few around them.
+    A speed is 0 at an end at rest; otherwise it is the speed at a seam. The result of a window depends only
+    on its motions and a few around them.
     """
 
     first: int
@@ -50,17 +54,17 @@ class Window:
 
     @property
     def seams(self) -> tuple[bool, bool]:
-        """Two values, for the first and the last end of the window: whether it is a seam."""
+        """Two flags, for the first and the last end of the window: True if the end is a seam."""
         return self.speeds[0] > 0.0, self.speeds[1] > 0.0
 
     def around(self, way: Way, smoothing: Smoothing) -> tuple[int, int]:
-        """Return the range of motions on which the result of the window depends, from the first up to the
-        last.
+        """Return the range of motions on which the result of the window depends: the first, and the one after
+        the last.
 
-        Beside the window's own motions, these are the motions near its seams that are examined from both
-        sides.
+        Besides the window's own motions, these are the motions near its seams that both neighbours examine.
         """
         begins, time = way.begins, (smoothing.around + smoothing.reach) * smoothing.segment
+        # Length of path that matters beyond each seam, at the seam's constant speed.
         back, ahead = (speed * time * (1.0 + _SAME) + _LITTLE for speed in self.speeds)
         begin, end = begins[self.first] - back, begins[self.last] + ahead
         first, last = self.first, self.last
@@ -75,10 +79,11 @@ class Window:
 class Made:
     """The result of planning a window of k motions.
 
-    `points` (n + 3, d) are the control points. `shares` has, for each motion, the control values of the share
-    of its path that is done, over the motion and its blends. `ends` (k + 1,) are the knots at which motions
-    end, `halves` (k + 1,) half the widths of the overlaps at all corners and seams. `least` (k,) are the
-    shares of the requested speeds below which the motions don't fall.
+    `points` (n + 3, d) are the control points. `shares` has the control values of each motion's profile: the
+    completed share of the path over time, from the beginning of the blend before the motion to the end of the
+    blend after it. `ends` (k + 1,) are the knots at which motions end. `halves` (k + 1,) are half the widths
+    of the overlaps at all corners and seams. `least` (k,) are the shares of the requested speeds that the
+    motions keep.
     """
 
     points: Array
@@ -100,7 +105,7 @@ class Failed:
 
 
 def made(way: Way, demands: Demands, window: Window, smoothing: Smoothing) -> Made | Failed:
-    """Plan a window (some consecutive motions) of a chain, and compute its control points.
+    """Plan a window of a chain, and compute its control points.
 
     Args:
         way: the paths of the whole chain.
@@ -119,8 +124,8 @@ def made(way: Way, demands: Demands, window: Window, smoothing: Smoothing) -> Ma
 class _Maker:
     """Planner of one window.
 
-    `way` and `demands` include a few motions beyond the seams; `own` is the range of the window's own motions
-    among them. `speeds` are the speeds at both ends of the window.
+    `way` and `demands` include a few motions beyond the seams; `own` is the range of the window's motions
+    among them. `speeds` are the speeds at both ends of the window [m/s].
     """
 
     way: Way
@@ -165,8 +170,8 @@ class _Maker:
                 return Failed((False, False))
             if trial.is_good:
                 return self._whole(points, trial)
-            # A law that is slowed down here passes later places at other knots. The correction therefore
-            # grows with the number of rounds.
+            # A profile that is slowed down at one place passes all later places at other times, where new
+            # excesses may occur. The correction therefore grows from round to round.
             steeper = _SLOWER + _MORE * turn
             corner, elsewhere = self._blamed(pace, trial.way, nodes, steeper)
             softer = np.minimum(
@@ -180,17 +185,18 @@ class _Maker:
         return self.failed
 
     def _kept(self, s: Array, ceiling: Array) -> Marks | None:
-        """Set `ceiling` to the speed of a seam at all nodes near the seam, and return a mask of these nodes
-        (N,).
+        """Set `ceiling` to a seam's speed at all nodes near this seam, and return a mask of the nodes near
+        seams (N,).
 
-        The result is None if the ceiling there is lower, or if the surroundings of both seams overlap.
+        The result is None if the ceiling near a seam is lower than its speed, or if the two seams are too
+        close to each other.
         """
         kept = np.zeros(len(s), dtype=np.bool_)
         for speed, away in zip(self.speeds, (s - s[0], s[-1] - s), strict=True):
             if speed == 0.0:
                 continue
             near = away <= speed * self.smoothing.kept * self.smoothing.segment
-            # Include the next nodes, since the speed would change between two nodes.
+            # Include the neighbouring nodes, since otherwise the speed would change between two nodes.
             near[1:] |= near[:-1].copy()
             near[:-1] |= near[1:].copy()
             if (kept & near).any() or (ceiling[near] < speed * (1.0 - _SAME)).any():
@@ -200,21 +206,23 @@ class _Maker:
         return kept
 
     def _time(self, pace: Pace) -> tuple[float, float]:
-        """Return the interval of time in which excesses must be avoided [s]: the window, and a segment
-        beyond a seam.
+        """Return the interval in which excesses must be avoided [s]: the time of the window, and one segment
+        beyond each seam.
         """
         h = self.smoothing.segment
         return -h if self.seams[0] else -np.inf, pace.duration + h if self.seams[1] else np.inf
 
     def _whole(self, points: Sampled, trial: Trial) -> Made | Failed:
-        """Return the result for the window's own motions, without those beyond its seams."""
+        """Return the result for the window's own motions. Cut off what lies beyond its seams."""
         own, h, beyond = self.own, self.smoothing.segment, self.smoothing.around
+        # Beyond a seam, the segments belong to the neighbouring window.
         begin, end = (beyond if seam else 0 for seam in self.seams)
         ends = trial.ends[own.start : own.stop + 1] - begin
         count = len(points.points) - 3 - begin - end
         if ends[0] != 0 or ends[-1] != count:
             return self.failed
         halves = np.concatenate(([0], trial.halves, [0]))[own.start : own.stop + 1]
+        # A motion profile covers the motion and its blends: n segments have n + 3 control values.
         first, last = begin + ends[:-1] - halves[:-1], begin + ends[1:] + halves[1:] + 3
         edges = np.cumsum(last - first)
         rows = np.repeat(np.arange(own.start, own.stop), last - first)
@@ -225,20 +233,20 @@ class _Maker:
         return Made(points.points[begin : begin + count + 3], tuple(shares), ends, halves, least)
 
     def _allowed(self, pace: Pace, excess: Excess) -> Array:
-        """Return the largest speeds (N,) at nodes near places at which the frame is too fast; infinite
-        elsewhere.
+        """Return the largest speeds (N,) at nodes; infinite except near places at which an item is too fast
+        in a slow zone.
         """
         law, times = pace.law, pace.by_law(excess.times)
         allowed = np.full(len(law.s), np.inf)
         begin, end = _nodes(law, times, self.smoothing.segment)
-        # A speed is proportional to the law's speed, so the factor is known exactly.
+        # The speed of the item is proportional to that of the motion profile, so the factor is known exactly.
         speeds = np.maximum(_BEYOND * law.speeds(times) / excess.shares, _SLOWEST)
         for at in np.argsort(-speeds).tolist():
             allowed[begin[at] : end[at]] = np.minimum(allowed[begin[at] : end[at]], speeds[at])
         return allowed
 
     def _blamed(self, pace: Pace, excess: Excess, nodes: slice, steeper: float) -> tuple[Array, Excess]:
-        """Find, for each excess, the corner that causes most of it.
+        """For each excess, find the sharpest corner near it, if this corner causes most of the excess.
 
         Returns:
             Factors (N,) by which the speed limits at these corners are reduced, and the excesses without such
@@ -246,28 +254,30 @@ class _Maker:
         """
         law, demands = pace.law, self.demands
         factors = np.ones(len(law.s))
-        own = demands.corners[(demands.corners > nodes.start) & (demands.corners < nodes.stop - 1)]
-        if not len(own) or not len(excess.times):
+        corners = demands.corners[(demands.corners > nodes.start) & (demands.corners < nodes.stop - 1)]
+        if not len(corners) or not len(excess.times):
             return factors, excess
-        # The less room a corner has, the sharper it is.
-        weight = 1.0 / np.maximum(demands.room()[own - 1], _NOTHING)
+        # The less room a corner has for rounding, the sharper it is.
+        weight = 1.0 / np.maximum(demands.room()[corners - 1], _NOTHING)
         reach, times = (self.smoothing.reach + 1) * self.smoothing.segment, pace.by_law(excess.times)
-        passed = law.t[own - nodes.start]
+        passed = law.t[corners - nodes.start]
         begin, end = np.searchsorted(passed, times - reach), np.searchsorted(passed, times + reach)
         total = np.concatenate(([0.0], np.cumsum(weight)))
-        # Find the worst corner near each time.
+        # Find the sharpest corner near each time.
         order = np.argsort(np.argsort(weight))
         pairs = np.stack((begin, end), axis=1).ravel()
+        # Find the largest rank in each range. `argsort(weight)` has the corner of each rank.
         worst = np.argsort(weight)[np.maximum.reduceat(np.append(order, 0), pairs)[::2]]
         blamed = (end > begin) & (weight[worst] >= _MOST * (total[end] - total[begin]))
         slower = _BEYOND * np.maximum(excess.shares[blamed] ** -steeper, _LEAST)
-        np.minimum.at(factors, own[worst[blamed]] - nodes.start, slower)
+        np.minimum.at(factors, corners[worst[blamed]] - nodes.start, slower)
         return factors, Excess(excess.times[~blamed], excess.shares[~blamed])
 
     def _slower(self, pace: Pace, excess: Excess, steeper: float) -> Array:
         """Return factors (N,) by which the speed limits at nodes are reduced.
 
-        A factor is less than 1 if the node affects the pose at a time at which something exceeds its limit.
+        The factor is less than 1 for nodes that affect the pose at a time at which something exceeds its
+        limit.
         """
         factors = np.ones(len(pace.law.s))
         if not len(excess.times):
@@ -275,15 +285,17 @@ class _Maker:
         reach = (self.smoothing.reach + 1) * self.smoothing.segment
         begin, end = _nodes(pace.law, pace.by_law(excess.times), reach)
         slower = _BEYOND * np.maximum(excess.shares**-steeper, _LEAST)
-        # Apply the largest excess last, so that it wins.
+        # Apply the strongest reduction last, so that it overwrites weaker ones.
         for at in np.argsort(-slower).tolist():
             factors[begin[at] : end[at]] = slower[at]
         return factors
 
 
 def _nodes(law: Law, times: Array, reach: float) -> tuple[Numbers, Numbers]:
-    """Return, for each of N times of a motion profile, the range of nodes that are passed within `reach` [s]
-    of it: the first nodes (N,), and the ends of the ranges (N,).
+    """Return for each of N times the range of nodes that a motion profile passes within `reach` [s] of this
+    time.
+
+    These are the indices of the first nodes (N,), and of the nodes after the last ones (N,).
     """
     begin = np.maximum(np.searchsorted(law.t, times - reach) - 1, 0)
     return begin, np.minimum(np.searchsorted(law.t, times + reach, side="right") + 1, len(law.s))

@@ -1,8 +1,8 @@
-// Questions in a dialog.
+// Questions in dialogs.
 
 import { button, h } from "/dom.js";
 
-// The name that somebody types; null if they don't. `act` is tried with it, and what it refuses is shown in the dialog.
+// Ask the user for a name, and call `act` with it. If `act` fails, the dialog shows the error and stays open.
 export function askName(title, value, label, act) {
   const input = h("input", { type: "text", name: "path", value, autocomplete: "off", spellcheck: "false", maxlength: 1000, "aria-label": title });
   const told = h("p", { class: "told", role: "alert" });
@@ -25,7 +25,7 @@ export function askName(title, value, label, act) {
   return dialog;
 }
 
-// Over the page alone, and not modal: STOP stays in reach.
+// Open a dialog over the page. It isn't modal, so the STOP button stays usable.
 export function opened(content, kind, closed = () => {}) {
   const page = document.getElementById("page");
   for (const other of page.querySelectorAll("dialog")) other.close();

@@ -1,4 +1,4 @@
-// Files: what the project has, what has changed since the last commit, uploads and downloads.
+// The page Files: the files of the project, their changes since the last commit, uploads and downloads.
 
 import { get, post } from "/api.js";
 import { button, h, put, text } from "/dom.js";
@@ -62,7 +62,7 @@ class Files {
     const told = await this.app.tried(() => get("/api/files"));
     if (this.left || !told) return;
     this.files = told.files;
-    if (told.cut) this.app.notice("The project has more files than are shown.", true);
+    if (told.cut) this.app.notice("The project has more files than can be shown.", true);
     this.draw();
     this.ask();
   }
@@ -72,13 +72,14 @@ class Files {
     if (this.left || !told) return;
     this.changes = new Map(told.changes.map((one) => [one.file, one]));
     const { commit } = told;
-    if (!told.there) text(this.commit, `Changes aren't known: ${told.what}.`);
+    if (!told.there) text(this.commit, `The changes are unknown: ${told.what}.`);
     else if (!commit) text(this.commit, "There is no commit yet.");
     else text(this.commit, `${told.changes.length || "Nothing"} changed since “${commit.subject}” by ${commit.who}, ${when(commit.when)}.`);
     this.draw();
   }
 
-  // Files and folders that are shown: those of the folder, or all that are searched for; deleted ones stay until the next commit.
+  // Return the files and folders to show: those in the open folder, or all that match the search. Deleted files are
+  // included until the next commit.
   shown() {
     const gone = [...this.changes.values()].filter((one) => one.kind === "deleted").map((one) => ({ file: one.file, size: 0, changed: "", kind: "gone" }));
     const wanted = this.search.value.trim().toLowerCase();
@@ -174,25 +175,25 @@ class Files {
     askName("New name", file, "Rename", async (to) => {
       await pinned(this.app, () => post("/api/files/rename", { file, to }));
       this.chosen = to;
-      this.changed(`${short(file)} is ${short(to)} now.`);
+      this.changed(`${short(file)} was renamed to ${short(to)}.`);
     });
   }
 
   newFolder() {
     askName("New folder", within(this.folder, ""), "Make", async (file) => {
       await pinned(this.app, () => post("/api/files/folder", { file }));
-      this.changed(`The folder ${file} is made.`);
+      this.changed(`The folder ${file} was created.`);
     });
   }
 
   async remove(file) {
     const told = await serviced(this.app, () => post("/api/files/delete", { file }));
-    if (told) this.changed(`${short(file)} is deleted.`, button("Undo", () => this.restore(told.number)));
+    if (told) this.changed(`${short(file)} was deleted.`, button("Undo", () => this.restore(told.number)));
   }
 
   async restore(number) {
     const told = await serviced(this.app, () => post("/api/files/restore", { number }));
-    if (told) this.changed(`${short(told.file)} is back.`);
+    if (told) this.changed(`${short(told.file)} was restored.`);
   }
 
   close() {
@@ -201,7 +202,7 @@ class Files {
   }
 }
 
-// Who has changed a file since the last commit.
+// Return a sentence about the users who have changed a file since the last commit.
 function by(change) {
   const people = change.by?.length ? `Changed by ${change.by.join(", ")} at the pendant` : "";
   if (!change.outside) return people && `${people}.`;

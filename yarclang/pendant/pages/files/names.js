@@ -1,4 +1,4 @@
-// Names, sizes and times of files in words.
+// Names, sizes and times of files as texts.
 
 export function address(route, file) {
   return `/api/${route}/${file.split("/").map(encodeURIComponent).join("/")}`;
@@ -26,13 +26,13 @@ export function when(time) {
   return time ? new Date(time).toLocaleString([], { dateStyle: "short", timeStyle: "short" }) : "";
 }
 
-// A name as a sentence can have it.
+// Shorten a long name so that it fits into a sentence.
 export function short(file) {
   const letters = [...file];
   return letters.length > 60 ? `${letters.slice(0, 30).join("")}…${letters.slice(-25).join("")}` : file;
 }
 
-// A name for a copy that no file of the folder has yet.
+// Return a name for a copy of a file that isn't used in its folder.
 export function free(file, taken) {
   const name = nameOf(file);
   const dot = name.lastIndexOf(".");

@@ -1,11 +1,12 @@
-// A text of the project to be read, and what has changed in one since the last commit.
+// Dialogs that show a text file of the project, or its changes since the last commit.
 
 import { get } from "/api.js";
 import { button, h, put } from "/dom.js";
 import { opened } from "/files/asking.js";
 import { address } from "/files/names.js";
 
-// CodeMirror writes its styles into the root that it stands in: in a shadow root it adopts style sheets, which the security policy allows.
+// Create a shadow root for CodeMirror. There CodeMirror adopts style sheets, which the content security policy allows;
+// elsewhere it would insert style elements.
 function shadow() {
   const host = h("div", { class: "editor" });
   return [host, host.attachShadow({ mode: "open" })];

@@ -1,4 +1,4 @@
-// Files on their way to the project: one after the other, with progress, to be cancelled at any time.
+// Uploads to the project, one after the other. Each shows its progress and can be cancelled.
 
 import { button, h, put } from "/dom.js";
 import { address, sized, within } from "/files/names.js";
@@ -7,7 +7,7 @@ import { askPin, serviced } from "/service.js";
 const LARGEST = 100_000_000;
 
 export class Uploads {
-  // `done` is called with the files that have arrived when none is on its way any more.
+  // `done` is called with the uploaded files when no upload is left.
   constructor(app, done) {
     this.app = app;
     this.done = done;
@@ -19,7 +19,7 @@ export class Uploads {
 
   add(files, folder) {
     for (const file of files) {
-      if (file.size > LARGEST) this.app.notice(`${file.name} has ${sized(file.size)}, and at most ${sized(LARGEST)} are uploaded.`, true);
+      if (file.size > LARGEST) this.app.notice(`${file.name} has ${sized(file.size)}, but at most ${sized(LARGEST)} can be uploaded.`, true);
       else this.waiting.push({ file, path: within(folder, file.name) });
     }
     this.next();
@@ -48,7 +48,7 @@ export class Uploads {
   }
 
   ended(one, request) {
-    if (request === null) this.app.notice(`${one.path}: the upload was broken off.`, true);
+    if (request === null) this.app.notice(`${one.path}: the upload was interrupted.`, true);
     else if (request && request.status !== 200) this.refused(one, request);
     else if (request) this.arrived.push(one.path);
     this.current = null;
@@ -60,7 +60,7 @@ export class Uploads {
     try {
       told = JSON.parse(request.responseText);
     } catch {
-      // it is no answer of the API
+      // the response isn't JSON of this API
     }
     if (request.status === 401) document.dispatchEvent(new CustomEvent("loggedout", { detail: told }));
     if (told.code === "pin") {
@@ -72,18 +72,18 @@ export class Uploads {
     if (replace) replace.addEventListener("click", () => notice.remove());
   }
 
-  // What describes the robot or its cell comes once more, with the PIN.
+  // Ask for the PIN, then upload a file again that describes the robot or its cell.
   async pinned(one) {
     if (!(await askPin(this.app))) return;
     this.waiting.unshift({ file: one.file, path: one.path });
     this.next();
   }
 
-  // Upload over a file that is there, if it still is the one that was told.
+  // Upload a file again, over an existing file. The server checks that this file is still the version `known`.
   replace(one, known) {
     serviced(this.app, async () => {
       const answer = await fetch(`${address("upload", one.path)}?known=${known}`, { method: "POST", body: one.file, credentials: "same-origin" })
-        .catch(() => { throw new Error(`${one.path}: the upload was broken off.`); });
+        .catch(() => { throw new Error(`${one.path}: the upload was interrupted.`); });
       if (answer.ok) return this.done([one.path]);
       const told = await answer.json();
       throw Object.assign(new Error(told.error), { code: told.code, status: answer.status });

@@ -1,4 +1,4 @@
-// One alarm: a row of the list, and all that is known of it.
+// An alarm: its row in the list, and its details.
 
 import { get } from "/api.js";
 import { button, called, h, put } from "/dom.js";
@@ -31,7 +31,7 @@ function heldUntil(one) {
   return one.ended === one.time ? "" : both(one.ended);
 }
 
-// What is known of an alarm; `act`: {acknowledge}.
+// Return the details of an alarm. `act` has the function `acknowledge`.
 export function detailsOf(app, one, act) {
   const explained = h("div", { class: "explained" });
   const joints = one.joints.map((joint) => `${joint.name} ${joint.value.toFixed(2)} ${joint.unit}`).join("  ");
@@ -48,7 +48,7 @@ export function detailsOf(app, one, act) {
       ["Came last", one.count > 1 ? `${both(one.last)}, ${one.count} times` : ""],
       ["Held until", heldUntil(one)],
       ["Acknowledged", one.acknowledged ? `by ${one.by}, ${both(one.acknowledged)}` : "by nobody"],
-      ["Program", where ? `${where}${one.line ? `, line ${one.line}` : ""}` : "none was under way"],
+      ["Program", where ? `${where}${one.line ? `, line ${one.line}` : ""}` : "none"],
       ["Command", one.command ? called(one.command).filter(Boolean).join(", ") : ""],
       ["Joints", joints],
       ["Flange in {B} [mm, deg]", stood(one)],
@@ -57,7 +57,7 @@ export function detailsOf(app, one, act) {
     explained);
 }
 
-// What the catalogue of findings says of a code.
+// Show the explanation of a finding's code, with its examples.
 async function explain(app, code, place) {
   const told = await app.tried(() => get(`/api/findings/${encodeURIComponent(code)}`));
   if (!told) return;

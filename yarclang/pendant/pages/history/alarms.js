@@ -1,12 +1,12 @@
-// History > Alarms: what went wrong, where the robot stood, what to do, and who has acknowledged it.
+// The page History > Alarms: the faults, the robot's state at that time, remedies, and acknowledgements.
 
 import { get, post } from "/api.js";
 import { button, h, put, text } from "/dom.js";
 import { detailsOf, rowOf } from "/history/alarm.js";
 import { style } from "/history/look.js";
 
-const COUNT = 100; // a page of the list
-const PAUSE = 500; // between two looks while alarms come [ms]
+const COUNT = 100; // number of alarms that are listed at once
+const PAUSE = 500; // shortest time between two requests while alarms arrive [ms]
 
 class AlarmsPage {
   constructor(place, app, number) {
@@ -35,11 +35,11 @@ class AlarmsPage {
   async begin() {
     await this.look();
     if (this.chosen === null) return;
-    // one that is older than what is listed is fetched for itself
+    // an alarm that is older than the listed ones is requested by its number
     if (![...this.open, ...this.past].some((one) => one.number === this.chosen)) {
       const found = await get(`/api/alarms/${this.chosen}`).catch(() => null);
       if (found) this.single = found;
-      else this.app.notice(`Alarm ${this.chosen} isn't kept any more.`, true);
+      else this.app.notice(`Alarm ${this.chosen} is no longer stored.`, true);
       this.draw();
     }
     this.list.querySelector(".open[aria-expanded=true]")?.scrollIntoView({ block: "start" });
@@ -71,7 +71,7 @@ class AlarmsPage {
     Object.assign(this, { moreOpen: open.more, morePast: Boolean(past?.more) });
     this.every.disabled = !open.alarms.some((one) => !one.acknowledged);
     text(this.told, `${open.open} open, ${open.all} kept`);
-    text(this.trouble, open.trouble ? `Alarms are only in memory: ${open.trouble}.` : "");
+    text(this.trouble, open.trouble ? `Alarms are kept only in memory: ${open.trouble}.` : "");
     this.trouble.hidden = !open.trouble;
     this.draw();
   }

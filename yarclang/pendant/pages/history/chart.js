@@ -1,13 +1,14 @@
-// Plots of a run over its time: one panel at a time, lines to choose, zoom by pinching, wheel or buttons, values under the finger.
+// Plots of a run over time. One panel is shown at a time; the user chooses its lines, zooms by pinch, wheel or buttons,
+// and reads values by touching the plot.
 
 import { button, h, mark, put, text } from "/dom.js";
 import { Drawing, colourOf } from "/history/drawing.js";
 
-const LEAST = 0.05; // narrowest window [s]
-const THINNED = 1900; // so many points are thinned ones
+const LEAST = 0.05; // shortest time range of a plot [s]
+const THINNED = 1900; // a line with more points than this has been thinned by the server
 
 export class Chart {
-  // `told`: what the log shows; `on`: {at(time), window(from, to)}.
+  // `told`: content of the log (message RunShown). `on`: callbacks at(time) and window(from, to).
   constructor(told, on) {
     Object.assign(this, { told, on, time: 0, hidden: new Set(), fingers: new Map(), fine: null });
     this.whole = [0, Math.max(told.end_s, LEAST)];
@@ -72,7 +73,7 @@ export class Chart {
     this.on.at(Math.max(this.whole[0], Math.min(this.whole[1], this.drawing.timeAt(x))));
   }
 
-  // Whether there are more points than are shown.
+  // True if the server has more points of the visible time range than are shown.
   get isThinned() {
     return this.told.lines.some((one) => one.times.length > THINNED) && this.window[1] - this.window[0] < 0.9 * (this.whole[1] - this.whole[0]);
   }
@@ -120,7 +121,7 @@ export class Chart {
     this.on.window(...this.window);
   }
 
-  // Lines of a window, with more points.
+  // Accept lines with more points for a time range.
   take(told, window) {
     this.fine = { told, window };
     this.draw();

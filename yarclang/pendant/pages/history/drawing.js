@@ -1,8 +1,8 @@
-// What a plot shows, painted on a canvas.
+// Drawing of a plot on a canvas.
 
 const COLOURS = ["#2f86d6", "#e0731d", "#27a05c", "#d63f6c", "#8a66d6", "#a88a00", "#17a2b0", "#b05a3c"];
 const SHADES = { hold: "--warn", fault: "--bad", disconnected: "--accent" };
-const [LEFT, RIGHT, TOP, BOTTOM] = [58, 10, 8, 24]; // room around the panel [px]
+const [LEFT, RIGHT, TOP, BOTTOM] = [58, 10, 8, 24]; // margins around the panel [px]
 
 export const colourOf = (index) => COLOURS[index % COLOURS.length];
 
@@ -13,7 +13,7 @@ export class Drawing {
     this.window = [0, 1];
   }
 
-  // The time [s] at a place of the canvas [px].
+  // Return the time [s] at a horizontal position on the canvas [px].
   timeAt(x) {
     const [from, to] = this.window;
     return from + ((x - LEFT) / Math.max(1, this.width - LEFT - RIGHT)) * (to - from);
@@ -101,7 +101,7 @@ export class Drawing {
     return told.length ? [...told, `[${lines.unit}]`] : [];
   }
 
-  // The least and the largest value in the window, with some room.
+  // Return the smallest and the largest value in the visible time range, with a margin.
   range(lines, planned, hidden) {
     let [low, high] = [Infinity, -Infinity];
     const [from, to] = this.window;
@@ -177,7 +177,7 @@ export class Drawing {
   }
 }
 
-// A step of 1, 2 or 5 times a power of ten.
+// Return the smallest step of at least `least` that is 1, 2 or 5 times a power of ten.
 function niceStep(least) {
   const power = 10 ** Math.floor(Math.log10(Math.max(least, 1e-9)));
   return [1, 2, 5, 10].map((one) => one * power).find((one) => one >= least * 0.999) ?? power;
@@ -188,7 +188,7 @@ function rounded(value, step) {
   return (Math.abs(value) < step / 1e6 ? 0 : value).toFixed(digits);
 }
 
-// The place in rising times that is nearest to a time; -1: there is none.
+// Return the index of the value in ascending `times` that is nearest to a time; -1 if `times` is empty.
 function nearest(times, time) {
   let [low, high] = [0, times.length - 1];
   if (high < 0) return -1;

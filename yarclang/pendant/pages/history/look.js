@@ -1,14 +1,14 @@
-// What the pages of the history share: their style, and times in words.
+// Style and texts that the pages of the history share.
 
 import { h } from "/dom.js";
 
-// The rules of these pages, once.
+// Load the style sheet of these pages, unless it is loaded already.
 export function style() {
   if (document.querySelector("link[href='/history/history.css']")) return;
   document.head.append(h("link", { rel: "stylesheet", href: "/history/history.css" }));
 }
 
-// A time of day (UTC, ISO 8601) as people here read it; today without its date.
+// Convert a time (ISO 8601, UTC) to the browser's time zone and language. The date is left out if it is today.
 export function local(iso) {
   const when = new Date(iso);
   if (Number.isNaN(when.getTime())) return "unknown";
@@ -22,7 +22,7 @@ export function both(iso) {
   return iso ? `${local(iso)} (${utc(iso)})` : "";
 }
 
-// Facts as a list of names and values; those without a value are left out.
+// Return a list of names and values, without those that have no value.
 export function facts(pairs) {
   return h("dl", { class: "facts" }, pairs.filter(([, value]) => value).map(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]).flat());
 }

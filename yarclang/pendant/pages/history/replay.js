@@ -1,4 +1,4 @@
-// A run once more, in three dimensions: the ghost goes where the robot was. The cell is the present one.
+// Replay of a run in three dimensions: a translucent robot follows the recorded positions, in the present cell.
 
 import { button, h, put, text } from "/dom.js";
 
@@ -64,7 +64,8 @@ export class Replay {
     this.show();
   }
 
-  // The recorded position that is next to the time: where links are there is known from the beginning.
+  // Show the recorded position that is nearest to the time. The poses of the links were requested for all recorded
+  // positions in advance.
   show() {
     const { times, joints } = this.told.way;
     if (document.activeElement !== this.bar || this.playing !== null) this.bar.value = this.time;

@@ -1,4 +1,4 @@
-// One run: its plots, its events, its replay in three dimensions, and the log itself.
+// The page of one run: plots, events, replay in three dimensions, and download of the log.
 
 import { get } from "/api.js";
 import { button, h, mark, put, seconds, text } from "/dom.js";
@@ -8,7 +8,7 @@ import { both, facts } from "/history/look.js";
 import { Replay } from "/history/replay.js";
 
 const TABS = [["plots", "Plots"], ["replay", "Replay"], ["events", "Events"]];
-const FINER = 400; // pause between the last zoom and the question for more points [ms]
+const FINER = 400; // time without zooming after which more points are requested [ms]
 
 export class RunPage {
   constructor(place, app, folder, file) {
@@ -62,19 +62,19 @@ export class RunPage {
     else this.replay.set(this.time);
   }
 
-  // Another moment is looked at.
+  // Show another time of the run in all views, except in the view `by` that has requested it.
   at(time, by = null) {
     this.time = time;
     this.chart?.show(time);
     if (by !== this.replay) this.replay?.set(time);
   }
 
-  // More points, once nobody zooms any more.
+  // Request more points when the user has stopped zooming.
   finer(from, to) {
     clearTimeout(this.waiting);
     if (!this.chart.isThinned) return;
     this.waiting = setTimeout(async () => {
-      const found = await this.ask([from, to]).catch(() => null); // what is there is shown meanwhile
+      const found = await this.ask([from, to]).catch(() => null); // the thinned points stay visible until more points arrive
       if (found && !this.closed) this.chart.take(found, [from, to]);
     }, FINER);
   }

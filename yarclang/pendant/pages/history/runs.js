@@ -1,4 +1,4 @@
-// History > Runs: the logs of runs; one of them with its plots, its events and its replay.
+// The page History > Runs: the list of run logs, and a page for each log.
 
 import { get } from "/api.js";
 import { button, h, put, seconds, text } from "/dom.js";
@@ -11,7 +11,7 @@ const STATES = { "under way": ["warn", "under way"], "cut off": ["warn", "cut of
 
 export const hashOf = (one) => `#/history/runs/${[one.place, ...one.file.split("/")].map(encodeURIComponent).join("/")}`;
 
-// How a run has ended: the look of its badge, and words.
+// Return the style of a run's badge, and the end of the run in words.
 export function endOf(one) {
   if (one.state !== "whole") return STATES[one.state];
   if (one.well === null) return ["warn", "end not known"];
@@ -23,7 +23,7 @@ class List {
     this.app = app;
     this.runs = [];
     this.search = h("input", { type: "search", placeholder: "Search runs", "aria-label": "Search runs", oninput: () => this.draw() });
-    this.told = h("p", { class: "soft told-of", role: "status" }, "Logs are looked for.");
+    this.told = h("p", { class: "soft told-of", role: "status" }, "Searching for logs.");
     this.list = h("ul", { class: "run-list" });
     put(place,
       h("h1", { class: "hidden" }, "Runs"),

@@ -1,11 +1,12 @@
-// Inputs and outputs by name: their values as they are now, outputs to be switched, inputs of a simulated robot to be set.
+// The page of inputs and outputs: their present values, switching of outputs, and setting of a simulated robot's
+// inputs.
 
 import { get } from "/api.js";
 import { h, put, text } from "/dom.js";
 import { Row, fitted, shownValue } from "/io/row.js";
 import { Switching } from "/io/switching.js";
 
-const EACH = 500; // between two questions [ms]
+const EACH = 500; // time between two requests [ms]
 const SOON = 60;
 const ORDERS = {
   file: () => 0,
@@ -64,7 +65,7 @@ class Page {
     this.ask();
   }
 
-  // Something has happened: ask at once, but once for many events.
+  // Request the values soon after an event. One request serves several events.
   soon() {
     this.hurry ??= setTimeout(() => {
       this.hurry = undefined;
@@ -121,7 +122,7 @@ class Page {
     this.wait();
   }
 
-  // Put the rows that are wanted into their lists.
+  // Show the rows that match the search and the filter, in the chosen order.
   sift() {
     const word = this.search.value.trim().toLowerCase();
     const { kind, sort } = this.wanted;
@@ -130,7 +131,7 @@ class Page {
     for (const [one, list] of Object.entries(this.lists)) {
       const mine = found.filter(({ signal }) => signal.kind === one);
       const all = this.rows.filter(({ signal }) => signal.kind === one).length;
-      fitted(list, mine.map(({ element }) => element), all ? "Nothing here has this name or value." : `No ${one}s are declared: cell.toml names them under [${one}s].`);
+      fitted(list, mine.map(({ element }) => element), all ? "No input or output has this name or value." : `No ${one}s are declared: cell.toml names them under [${one}s].`);
       text(this.heads[one], `${one === "input" ? "Inputs" : "Outputs"}: ${mine.length === all ? all : `${mine.length} of ${all}`}`);
       this.parts[one].hidden = kind === "input" || kind === "output" ? kind !== one : false;
     }
@@ -141,22 +142,22 @@ class Page {
     this.waits.hidden = !waiting;
     if (!waiting) return;
     const since = Math.max(0, waiting.since_s + (performance.now() - this.at) / 1000);
-    const known = waiting.value === null ? "its value isn't known" : `it is ${shownValue(waiting.value)}`;
+    const known = waiting.value === null ? "its value is unknown" : `it is ${shownValue(waiting.value)}`;
     text(this.waits, `${waiting.place} waits for ${waiting.name} = ${shownValue(waiting.wanted)} since ${since < 60 ? `${since.toFixed(0)} s` : `${Math.floor(since / 60)} min ${Math.floor(since % 60)} s`}: ${known}.`);
     for (const row of this.rows) row.waited(row.signal.kind === "input" && row.signal.variable === waiting.variable);
   }
 
   words() {
     const said = [];
-    if (this.trouble) said.push(`Values aren't known: ${this.trouble}.`);
-    if (this.told?.fixed) said.push(`Values of a real controller are known while the robot rests; during a program they are as the program told. Inputs can't be set here: ${this.told.fixed}.`);
-    if (this.told?.trouble) said.push(`What the cell says is missing: ${this.told.trouble}`);
+    if (this.trouble) said.push(`The values are unknown: ${this.trouble}.`);
+    if (this.told?.fixed) said.push(`Values of a real controller are read while the robot is at rest; during a program they are the last ones that the program reported. Inputs can't be set here: ${this.told.fixed}.`);
+    if (this.told?.trouble) said.push(`The cell's data is missing: ${this.told.trouble}`);
     text(this.said, said.join(" "));
     this.said.hidden = !said.length;
     if (!this.values?.waiting) for (const row of this.rows) row.waited(false);
   }
 
-  // What may be switched now, and why not.
+  // Enable the buttons that may be used now, and show the reason if none may be.
   fit() {
     const outputs = this.switching.whyNot("output");
     const inputs = this.switching.whyNot("input");

@@ -1,10 +1,10 @@
-// One input or output: its name, its value, and the buttons that switch it.
+// An input or output: its name, its value, and the buttons that switch it.
 
 import { button, h, mark, put, text } from "/dom.js";
 
 const DIGITS = 6;
 
-// What was set just now is shown, even if values that were read before still arrive [ms].
+// Time for which a value that was just set stays visible, even if older values still arrive [ms].
 const JUST_SET = 900;
 
 export function shownValue(value) {
@@ -14,7 +14,7 @@ export function shownValue(value) {
   return Math.abs(value) >= 1e6 ? value.toExponential(3) : String(Number(value.toPrecision(DIGITS)));
 }
 
-// Put elements into a list, only as far as they are others; without any, a word.
+// Put elements into a list, unless it contains them already. If there are none, show the text `none`.
 export function fitted(list, elements, none) {
   if (!elements.length) {
     if (list.textContent !== none || list.children.length !== 1) put(list, h("li", { class: "empty" }, none));
@@ -25,7 +25,7 @@ export function fitted(list, elements, none) {
 }
 
 export class Row {
-  // `switching`: does what the buttons want; `fixed`: why inputs can't be set, empty if they can.
+  // `switching` carries out the buttons' actions. `fixed` is the reason why inputs can't be set; empty: they can.
   constructor(signal, switching, fixed) {
     Object.assign(this, { signal, value: null, heard: false, parts: [], settled: 0, sensed: signal.sensor && !fixed });
     this.words = `${signal.name} ${signal.variable} ${signal.comment}`.toLowerCase();
@@ -56,15 +56,15 @@ export class Row {
       signal.kind === "output" && signal.safe === null && signal.declared && !signal.comment && "stays at a stop",
       signal.grips_at !== null && `closes a gripper at ${shownValue(signal.grips_at)}`,
       signal.removes_at !== null && `takes parts away at ${shownValue(signal.removes_at)}`,
-      this.sensed && "a sensor of the cell drives it",
+      this.sensed && "set by a sensor of the cell",
       !signal.declared && "not from the cell",
       this.parts.length && `holds ${this.parts.join(", ")}`,
-      this.heard && "as the program told last",
+      this.heard && "last value reported by the program",
     ];
     text(this.more, words.filter(Boolean).join(" · "));
   }
 
-  // A value that the controller has confirmed.
+  // Show a value that the controller has confirmed.
   set(value) {
     this.settled = 0;
     this.show(value, false, this.parts);

@@ -1,4 +1,4 @@
-// Switching outputs, and inputs of a simulated robot: who may, what is asked before, and what came of it.
+// Switching of outputs, and of a simulated robot's inputs: rights, questions before a switch, and its result.
 
 import { order } from "/api.js";
 import { button, h, text } from "/dom.js";
@@ -6,13 +6,13 @@ import { opened } from "/files/asking.js";
 import { shownValue } from "/io/row.js";
 
 export class Switching {
-  // `done`: called when a value was set.
+  // `done` is called after a value was set.
   constructor(app, done) {
     Object.assign(this, { app, done, fixed: "" });
     this.reasons = { output: h("p", { class: "why" }), input: h("p", { class: "why" }) };
   }
 
-  // Why no output (or input) can be switched now; empty: they can.
+  // Return the reason why no output (or input) can be switched now; empty: they can.
   whyNot(kind) {
     const { app } = this;
     const display = app.robot.display;
@@ -21,7 +21,7 @@ export class Switching {
     if (kind === "input") return display.owner && !app.controls ? `${display.owner} controls the robot: take control first.` : "";
     if (!app.controls) return "Take control of the robot first.";
     if (display.mode === "idle") return "";
-    return display.mode === "fault" || display.mode === "disconnected" ? "The robot has a fault: look at Status." : "While something is under way, outputs are the program's.";
+    return display.mode === "fault" || display.mode === "disconnected" ? "The robot has a fault: see Status." : "Outputs can't be switched while a program or motion is running.";
   }
 
   tell(parts, reasons) {
@@ -46,11 +46,11 @@ export class Switching {
   took(name, value, made) {
     const [finding] = made.findings;
     if (made.value === null) this.app.notice(finding ? `${finding.message} ${finding.help ?? ""}` : `${name} wasn't set.`, true);
-    else if (made.value !== value) this.app.notice(`${name} is ${shownValue(made.value)}, and not ${shownValue(value)}.`, true);
+    else if (made.value !== value) this.app.notice(`${name} is ${shownValue(made.value)}, not ${shownValue(value)}.`, true);
     this.done();
   }
 
-  // Ask for a number.
+  // Ask the user for a number, and set it.
   ask(row) {
     this.typed(`A value of ${row.signal.name}`, row.value ?? 0, (value) => this.set(row, value));
   }
@@ -75,7 +75,7 @@ export class Switching {
     input.select();
   }
 
-  // A simulated input that nobody has declared, by the controller's variable.
+  // Return a form that sets a simulated input which isn't declared, by the controller's variable.
   otherInput() {
     const name = h("input", { name: "variable", placeholder: "M11", autocomplete: "off", spellcheck: "false", maxlength: 40, "aria-label": "Variable or name of an input" });
     const go = (value) => this.app.tried(() => order("input", { name: name.value.trim(), value })).then((made) => made && this.took(name.value.trim(), value, made));
@@ -86,12 +86,12 @@ export class Switching {
   }
 }
 
-// What a person should know before an output has another value; empty: nothing.
+// Return a warning about the consequences of a new value of an output; empty: there is nothing to warn of.
 function dangers({ signal, parts }, value) {
   if (signal.kind !== "output") return "";
-  if (signal.grips_at !== null && value !== signal.grips_at) return parts.length ? `The gripper opens: ${parts.join(", ")} falls, or stays where it lies.` : "The gripper opens: what it holds falls.";
+  if (signal.grips_at !== null && value !== signal.grips_at) return parts.length ? `The gripper opens: ${parts.join(", ")} falls, or stays where it is.` : "The gripper opens: a held part falls.";
   if (signal.grips_at !== null) return "The gripper closes: keep your hands away.";
-  if (signal.removes_at === value) return "A machine takes the parts there away.";
+  if (signal.removes_at === value) return "A machine removes the parts there.";
   if (signal.safe !== null && value !== signal.safe) return `It is ${shownValue(signal.safe)} at a stop: a machine may begin to move.`;
   return "";
 }

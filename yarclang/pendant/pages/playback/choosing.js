@@ -1,4 +1,4 @@
-// The programs of the project, one of which is chosen.
+// The list of the project's programs, from which the user chooses one.
 
 import { get } from "/api.js";
 import { button, h, put } from "/dom.js";
@@ -24,11 +24,11 @@ export class Choosing {
     const may = this.app.may("operator");
     const wanted = this.search.value.toLowerCase();
     const found = this.programs.filter((one) => one.file.toLowerCase().includes(wanted));
-    // the one that was edited last comes first
+    // the program that was edited last comes first
     const { file: edited } = this.app.recall("program");
     const shown = [...found.filter((one) => one.file === edited), ...found.filter((one) => one.file !== edited)];
-    const none = this.programs.length ? "No program has this name." : "There is no program in the project: make one on the page Program.";
-    const words = !this.known ? "Which programs there are isn't known." : !shown.length ? none : may ? "" : "Running programs needs the role operator.";
+    const none = this.programs.length ? "No program has this name." : "The project has no program: create one on the page Program.";
+    const words = !this.known ? "The list of programs is unknown." : !shown.length ? none : may ? "" : "Running programs needs the role operator.";
     put(this.list,
       words && h("li", { class: "empty" }, words),
       shown.map((one) => h("li", {}, button(one.file, () => this.player.load(one.file), { disabled: !may, class: one.file === edited ? "main" : null }))));

@@ -1,4 +1,5 @@
-// What can be done with a command that was tapped: begin there, or go to where it ends while a button is held.
+// Actions for a command that the user has tapped: begin the program there, or move to the command's end while a button
+// is held.
 
 import { order } from "/api.js";
 import { button, called, h, put } from "/dom.js";
@@ -6,7 +7,7 @@ import { holdable } from "/holding.js";
 import { findings } from "/playback/facts.js";
 import { nearest } from "/playback/player.js";
 
-// Share of the limits of a motion to a point: slow, as the way to a start is.
+// Speed of a motion to a point, as a share of the limits: as slow as the motion to a program's start.
 const SHARE = "10%";
 
 export class Chosen {
@@ -22,7 +23,7 @@ export class Chosen {
     app.holding.addEventListener("released", () => this.hear({ state: "ended", why: "" }), { signal });
   }
 
-  // Show what was tapped; what rests on its way to another point is ended.
+  // Show the tapped command. A motion to another point that rests on its path is ended.
   show(one) {
     this.app.holding.leave();
     this.one = one;
@@ -33,7 +34,7 @@ export class Chosen {
     put(this.element,
       h("strong", {}, command ? `${called(command.title).filter(Boolean).join(", ")}, line ${command.line}` : one.title),
       command && button("From here", () => this.player.load(this.player.file, command.index), { disabled: !command.index }),
-      goal ? button(`Way to ${goal.name}`, () => this.plan(one)) : h("p", {}, "Where it ends isn't known before."),
+      goal ? button(`Way to ${goal.name}`, () => this.plan(one)) : h("p", {}, "Its end is unknown before the run."),
       this.box);
   }
 
@@ -44,7 +45,7 @@ export class Chosen {
     return `MOVEJ_AVOID ${end.map((value) => value.toFixed(6)).join(" ")} [${SHARE}] (${units})`;
   }
 
-  // The way to a point from where the robot is: planned and proved now, carried out while the button is held.
+  // Plan and prove a motion from the robot's position to a point. The motion runs only while its button is held.
   async plan(one) {
     const { app } = this;
     if (!this.player.may("programmer")) return;
@@ -55,7 +56,7 @@ export class Chosen {
     if (this.one !== one) return;
     const { offer } = told ?? {};
     if (!offer) {
-      put(this.said, told ? "There is no proved way there." : "It couldn't be planned.");
+      put(this.said, told ? "No proved motion leads there." : "It couldn't be planned.");
       if (told) this.box.append(findings(told.findings));
       return;
     }
@@ -69,7 +70,7 @@ export class Chosen {
   hear({ state, why, help }) {
     if (!this.button?.isConnected) return;
     const told = why ? `${why}${help ? `: ${help}` : ""}.` : "";
-    const rests = "It rests on its path: hold again to go on.";
+    const rests = "The robot is at rest on its path: hold the button again to continue.";
     put(this.said, { moves: "It goes.", reached: "It is there.", ended: told || rests }[state] ?? told);
   }
 

@@ -1,10 +1,11 @@
-// The commands with their times, some of them at a time: the one that is carried out, the one under the bar, and the one that was tapped.
+// The list of a program's commands with their times. It marks the executed command, the command at the timeline's time,
+// and the tapped command. Only some rows are in the page at a time.
 
 import { button, called, h, mark, put } from "/dom.js";
 
-const SHOWN = 300; // rows in the page, however many commands there are
+const SHOWN = 300; // largest number of rows in the page
 
-// `select` is told what was tapped, null if it was tapped again: the command, and the point that it ends at.
+// `select` is called with the tapped command and the joint positions at its end; with null if it was tapped again.
 export function commandList(player, select) {
   const { program, course } = player;
   const ends = new Map((course?.commands ?? []).map((one) => [one.title, one]));
@@ -46,7 +47,7 @@ export function commandList(player, select) {
     }
   }
 
-  // Make the rows from one on that are in the page.
+  // Create the rows of the page, from the entry `from` on.
   function show(from) {
     first = Math.max(0, Math.min(from, entries.length - SHOWN));
     rows = entries.slice(first, first + SHOWN).map(row);
@@ -60,7 +61,7 @@ export function commandList(player, select) {
     rows[edge - first]?.element.scrollIntoView({ block: by > 0 ? "end" : "start" });
   }
 
-  // The row of an entry, which is in the page from then on.
+  // Return the row of an entry. If the row isn't in the page, show the rows around it.
   function revealed(one) {
     if (one.place < first || one.place >= first + SHOWN) show(one.place - SHOWN / 2);
     return rows[one.place - first].element;
@@ -69,7 +70,7 @@ export function commandList(player, select) {
   show(0);
   return {
     element: list,
-    // The command at a time of the bar.
+    // Mark the command at a time of the timeline.
     mark(time) {
       const now = timed.findLast((one) => one.command.begins_s <= time + 1e-6) ?? commands[0] ?? null;
       if (now === at) return;
@@ -77,7 +78,7 @@ export function commandList(player, select) {
       if (at && entries.length > SHOWN) revealed(at).scrollIntoView({ block: "nearest" });
       dress();
     },
-    // The command that is carried out.
+    // Mark the command that is being executed.
     refresh(title) {
       if (title === running) return;
       running = title;
@@ -88,7 +89,7 @@ export function commandList(player, select) {
   };
 }
 
-// What a command does, and below it where it stands.
+// Return a command's name, with its place below it.
 function titled({ title, command }) {
   const [name, where] = command ? called(title) : [title, ""];
   return h("span", { class: "title" }, name, where && h("small", {}, where));

@@ -1,4 +1,4 @@
-// The buttons under everything: run, step, back, hold, resume, the pace.
+// The buttons at the bottom of the page: run, step, back, hold, resume, override.
 
 import { order } from "/api.js";
 import { button, called, h, seconds, text } from "/dom.js";
@@ -49,7 +49,7 @@ export class Controls {
     text(this.told, this.doing(display));
   }
 
-  // A HOLD that asks goes on with a number in its range.
+  // Show a field for the number that a HOLD asks for.
   ask(asks) {
     const { answer } = this;
     if (asks && answer.hidden) {
@@ -61,12 +61,12 @@ export class Controls {
     answer.hidden = !asks;
   }
 
-  // What goes on, in a line.
+  // Return the present activity in one line.
   doing(display) {
     const { player } = this;
     if (!display.under_way || display.mode === "jog") return player.program ? "" : "Choose a program.";
-    if (display.paused && !player.paused) return "Before the next command: Step carries it out.";
-    if (display.paused) return `Before ${called(player.paused.title).filter(Boolean).join(", ")} (${player.paused.number} of ${player.paused.of}): Step carries it out.`;
+    if (display.paused && !player.paused) return "Before the next command: press Step to execute it.";
+    if (display.paused) return `Before ${called(player.paused.title).filter(Boolean).join(", ")} (${player.paused.number} of ${player.paused.of}): press Step to execute it.`;
     const { part } = player;
     const many = part && (part.of === null || part.of > 1);
     const which = !part ? "" : part.to_the_start ? "To the start. " : many ? `${player.bySteps ? "Step" : "Pass"} ${part.number}${part.of ? ` of ${part.of}` : ""}. ` : "";

@@ -1,4 +1,4 @@
-// What a person wants to know before a start, and how a run has ended.
+// Texts about a program before its start, and about the end of a run.
 
 import { button, called, h, seconds, stands } from "/dom.js";
 
@@ -15,7 +15,7 @@ function lasting(takes) {
   return `${known}${takes.waits ? `, and ${count} wait${takes.waits > 1 ? "s" : ""}` : ""}${once}`;
 }
 
-// What was proved.
+// Show the results of the proof.
 export function facts(app, player, show) {
   const { told, program, course, first, way } = player;
   if (player.loading || !player.file) return [];
@@ -33,7 +33,7 @@ export function facts(app, player, show) {
   ].filter(Boolean);
 }
 
-// The question before a start, if there is one.
+// Show the question before a start, if there is one.
 export function question(player) {
   const { ask } = player;
   if (!ask) return [];
@@ -48,9 +48,9 @@ export function question(player) {
 }
 
 function wayText(way) {
-  if (!way) return "The way there is planned at the start.";
-  if (!way.text) return "The robot stands there.";
-  return way.duration_s === null ? `There is no way there: ${way.text}.` : `A proved way leads there in ${seconds(way.duration_s)}: ${way.text}.`;
+  if (!way) return "The motion there is planned at the start.";
+  if (!way.text) return "The robot is there already.";
+  return way.duration_s === null ? `No motion leads there: ${way.text}.` : `A proved motion leads there in ${seconds(way.duration_s)}: ${way.text}.`;
 }
 
 function proved(course, show) {
@@ -73,24 +73,24 @@ function proved(course, show) {
   return h("dl", { class: "proved" }, rows.flatMap(([term, value]) => [h("dt", {}, term), h("dd", {}, value)]));
 }
 
-// A proved bound is rounded up.
+// Round a proved upper bound up.
 const up = (value) => (Math.ceil(value * 1e4 - 1e-9) / 1e4).toFixed(4);
 
 function version(player, course) {
   const proof = `Version ${course.sha256.slice(0, 8) || "unknown"}, proved at ${player.at.toLocaleTimeString()}.`;
   if (!course.changed) return h("p", { class: "soft" }, proof);
-  return h("p", { class: "bad" }, `${proof} The file was changed since: what was proved is what runs. `, button("Load it again", () => player.load(player.file, player.first, player.bySteps)));
+  return h("p", { class: "bad" }, `${proof} The file has changed since: the proved version will run. `, button("Load it again", () => player.load(player.file, player.first, player.bySteps)));
 }
 
-// How it has ended, the remedy, and the way on.
+// Show the reason for the end of a run, its remedy, and the ways to continue.
 export function ended(app, player) {
   const { ended: end } = player;
   if (!end) return [];
   if (end.well) return h("p", { class: "good" }, `${end.word === "run" ? player.file : "The motion"} is done${end.passes > 1 ? `, ${end.passes} times` : ""}.`);
   const place = end.where?.line ? ` (line ${end.where.line}${end.where.text ? `: ${end.where.text.trim()}` : ""})` : "";
-  const rests = end.resting ? ` It rests in ${called(end.resting.title).filter(Boolean).join(", ")}, at ${end.resting.done_s.toFixed(1)} s.` : "";
+  const rests = end.resting ? ` It is at rest in ${called(end.resting.title).filter(Boolean).join(", ")}, at ${end.resting.done_s.toFixed(1)} s.` : "";
   return h("div", { class: "end" },
     h("p", {}, h("strong", {}, `${end.word === "run" ? player.file : "The motion"} has ended: `), `${end.what ?? ""}${place}.${rests}`, end.passes > 1 ? ` It was pass ${end.passes}.` : ""),
     end.help && h("p", { class: "help" }, end.help),
-    end.word === "run" && end.go_on !== null && end.go_on !== undefined && button(`Go on from ${end.go_on ? stands(end.go_on) : "the beginning"}`, () => player.load(player.file, end.go_on || null)));
+    end.word === "run" && end.go_on !== null && end.go_on !== undefined && button(`Continue from ${end.go_on ? stands(end.go_on) : "the beginning"}`, () => player.load(player.file, end.go_on || null)));
 }

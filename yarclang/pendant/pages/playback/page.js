@@ -1,4 +1,5 @@
-// Run: choose a program, look what it will do, carry it out, wholly, in steps or backwards, from where it is wanted.
+// The page Run: choose a program, inspect its motion, and execute it: as a whole, in steps or backwards, from any
+// command.
 
 import { button, h, put } from "/dom.js";
 import { Chosen } from "/playback/chosen.js";
@@ -55,7 +56,7 @@ class RunPage {
     this.choosing.look();
   }
 
-  // What was chosen, loaded, or has ended is another: all is drawn anew.
+  // Draw everything again after a choice, a load or the end of a run.
   changed() {
     const { app, player, timeline } = this;
     this.choosing.element.hidden = Boolean(player.file);
@@ -90,7 +91,7 @@ class RunPage {
     scene?.showTime(timeline.course ? timeline.time : null);
   }
 
-  // Where bodies are the nearest, with these lit.
+  // Show the time of the smallest clearance, and highlight its two bodies.
   showNearest(time, bodies) {
     this.timeline.set(time);
     this.scene?.mark(bodies);
@@ -112,7 +113,7 @@ class RunPage {
     this.rows?.refresh(runs ? display.command : "");
   }
 
-  // The picture comes from a room of its own; without it everything else works.
+  // Load the three-dimensional view from files of its own. If that fails, everything else works without it.
   async picture_() {
     try {
       const { Scene3D } = await import("/scene/scene.js");

@@ -1,14 +1,15 @@
-// What is played: a program that was planned and proved, whole, from a command on or in steps, and what becomes of it.
+// The loaded program of the page Run, with its question before a start, its run and its outcome.
 
 import { order } from "/api.js";
 import { button } from "/dom.js";
 
-// The code of a program that the coordinator doesn't have.
+// Code of the denial if the coordinator doesn't know a program.
 const UNKNOWN = "Y1613";
 const EVENTS = ["part", "paused", "began", "finished", "wait_began", "wait_ended"];
 
 export class Player extends EventTarget {
-  // The player of a login: what was loaded stays while other pages are shown.
+  // Return the player of this login. It exists independently of pages, so a loaded program is kept while other pages
+  // are shown.
   static of(app) {
     if (app.player?.robot !== app.robot) app.player = new Player(app);
     return app.player;
@@ -25,7 +26,8 @@ export class Player extends EventTarget {
     this.robot.addEventListener("display", ({ detail }) => this.look(detail));
   }
 
-  // The coordinator may be another one after it was away: it doesn't know what was loaded, nor the offer of a question.
+  // After a lost connection, load the program again and withdraw a question: a new coordinator knows neither the loaded
+  // program nor the offer that the question is about.
   look(display) {
     if (!display.connected) this.doubtful = true;
     else if (this.doubtful && display.mode === "idle") {
@@ -38,7 +40,8 @@ export class Player extends EventTarget {
     }
   }
 
-  // What was changed since it was proved, as by teaching, is planned and proved anew; nothing that is under way is touched.
+  // Load the program again if its file has changed since it was proved, for example by teaching. Do nothing while the
+  // robot is executing something.
   async renew() {
     const { program, asked } = this;
     const idle = () => this.robot.display?.mode === "idle";
@@ -60,7 +63,7 @@ export class Player extends EventTarget {
     this.dispatchEvent(new Event("changed"));
   }
 
-  // Plan and prove a program, from a command on, or in steps. True if it can be run.
+  // Plan and prove a program, optionally from a command on or in steps. Return true if it can be run.
   async load(file, first = null, bySteps = false) {
     const mine = ++this.asked;
     const other = file !== this.file;
@@ -71,7 +74,7 @@ export class Player extends EventTarget {
     const told = await this.app.tried(() => order("load", fields));
     const program = told?.program ?? null;
     const course = program && (await this.app.tried(() => order("course", { program: program.number })));
-    // where the robot is under way, nobody knows the way yet
+    // no reply: the motion to the start isn't known while the robot is moving
     const way = program && first ? await order("way", { program: program.number }).catch(() => null) : null;
     if (mine !== this.asked) return false;
     Object.assign(this, { loading: false, told, program, course, way, at: new Date() });
@@ -79,7 +82,7 @@ export class Player extends EventTarget {
     return Boolean(program);
   }
 
-  // Whether the person may, in words if not.
+  // Return true if the user has the role and controls the robot; otherwise notify the user.
   may(role = "operator") {
     const { app } = this;
     if (!app.may(role)) {
@@ -91,13 +94,13 @@ export class Player extends EventTarget {
     return false;
   }
 
-  // Run what was chosen: `times` passes (null: until somebody stops it), or command by command.
+  // Run the loaded program: `times` passes (null: until somebody stops it), or command by command.
   async run(times, bySteps = false) {
     if (!this.may() || !this.file) return;
     if (bySteps !== this.bySteps && !(await this.load(this.file, this.first, bySteps))) return;
     if (!this.program) return;
     const { number } = this.program;
-    // is what was proved still what stands in the file?
+    // check whether the file still has the text that was proved
     const now = await this.app.tried(() => order("course", { program: number, samples: 2 }));
     if (!now) return;
     if (this.course) this.course.changed = now.changed;
@@ -107,11 +110,11 @@ export class Player extends EventTarget {
     const fields = { program: number, times };
     if (way.findings.some((one) => one.severity === "error") || (way.text && way.duration_s === null)) {
       const away = this.app.may("programmer") ? { label: "Nearest place", act: () => this.recover() } : {};
-      this.ask = { text: `The robot can't get to its start: ${way.text}.`, findings: way.findings, ...away };
+      this.ask = { text: `The robot can't reach the start: ${way.text}.`, findings: way.findings, ...away };
     } else if (way.text || this.course?.changed) {
-      const changed = this.course?.changed ? "The file was changed after the proof: what was proved is what runs. " : "";
+      const changed = this.course?.changed ? "The file has changed since the proof: the proved version will run. " : "";
       const text = way.text ? `The robot isn't at the start: ${way.text}. A slow, proved motion leads there in ${way.duration_s.toFixed(1)} s.` : "";
-      const label = way.text ? "Move there, then run" : "Run what was proved";
+      const label = way.text ? "Move there, then run" : "Run the proved version";
       this.ask = { text: changed + text, label, act: () => this.carry("run", { ...fields, approach: Boolean(way.text) }), reload: this.course?.changed };
     } else {
       this.carry("run", fields);
@@ -130,7 +133,8 @@ export class Player extends EventTarget {
     this.tell();
   }
 
-  // From wherever the robot stands to the start, or to the nearest place at which the program may begin; nothing of the program is carried out.
+  // Offer a motion from the robot's position to the program's start, or to the nearest place at which the program may
+  // begin. The program itself isn't run.
   async recover() {
     if (!this.may("programmer") || !this.file) return;
     const told = await this.app.tried(() => order("load", { file: this.file, recover: true, ...(this.first ? { first: this.first } : {}) }));
@@ -139,11 +143,11 @@ export class Player extends EventTarget {
     if (!way) {
       if (told && !told.program) this.ask = { text: "The program has errors.", findings: told.findings };
     } else if (way.place === null) {
-      this.ask = { text: "No proved motion leads from where the robot stands to the program.", findings: way.findings };
+      this.ask = { text: "No proved motion leads from the robot's position to the program.", findings: way.findings };
     } else if (!way.offer) {
-      this.ask = { text: `The robot stands at ${way.title} already.`, findings: [] };
+      this.ask = { text: `The robot is at ${way.title} already.`, findings: [] };
     } else {
-      const assumed = way.assumed.length ? ` Nobody has said where ${way.assumed.join(", ")} lies: taken to be where the program has it there.` : "";
+      const assumed = way.assumed.length ? ` The place of ${way.assumed.join(", ")} is unknown: assumed as in the program.` : "";
       const share = Math.round(1000 * way.share) / 10;
       const text = `To ${way.title}: proved, takes ${way.offer.duration_s.toFixed(1)} s at ${share} % of the joints' limits${nearest(way.offer)}.${assumed}`;
       this.ask = { text, findings: way.refused, label: "Go there", act: () => this.carry("go", { offer: way.offer.number }) };
@@ -151,18 +155,18 @@ export class Player extends EventTarget {
     this.tell();
   }
 
-  // The last motion back along its path.
+  // Offer the last motion back along its path.
   async backwards() {
     if (!this.may("programmer")) return;
     const told = await this.app.tried(() => order("offer-back"));
     if (!told) return;
     const { offer } = told;
-    if (!offer) this.ask = { text: "There is no way back.", findings: told.findings };
+    if (!offer) this.ask = { text: "There is no motion to reverse.", findings: told.findings };
     else this.ask = { text: `${offer.title}, along its path: proved, takes ${offer.duration_s.toFixed(1)} s${nearest(offer)}.`, label: "Go back", act: () => this.carry("go", { offer: offer.number }) };
     this.tell();
   }
 
-  // Whether it is this program that is carried out, and not the way to its start.
+  // Return true if this program itself is being executed, and not the motion to its start.
   runs(display) {
     return display.under_way !== "" && display.under_way === this.program?.name && !this.part?.to_the_start && display.done_s > 0;
   }
@@ -176,7 +180,7 @@ export class Player extends EventTarget {
   }
 }
 
-// The smallest clearance of an offer's motions, in words.
+// Return the smallest clearance of an offer's motions, in words.
 export function nearest(offer) {
   const known = offer.motions.map((one) => one.clearance).filter((one) => one?.first);
   const [one] = known.sort((a, b) => a.distance_mm - b.distance_mm);

@@ -1,4 +1,4 @@
-// A bar over the time of a program: which command, which line, which joint positions.
+// A bar over the time of a program. It shows the command, the program line and the joint positions at a time.
 
 import { called, h, put, text } from "/dom.js";
 
@@ -14,7 +14,7 @@ export class Timeline {
     this.element = h("div", { class: "timeline" }, this.bar, this.at, this.joints_);
   }
 
-  // Take the course of another program; true if it is another one.
+  // Set the course of a program. Return true if it differs from the previous course.
   take(course, program) {
     const known = course?.course.times.length ? course : null;
     const other = known !== this.course;
@@ -23,7 +23,7 @@ export class Timeline {
     this.scrubbed = false;
     this.bar.disabled = !this.course;
     if (!this.course) {
-      put(this.at, program ? "Its motion isn't known." : "");
+      put(this.at, program ? "Its motion is unknown." : "");
       put(this.joints_);
       return other;
     }
@@ -39,7 +39,7 @@ export class Timeline {
     return Number(this.bar.value);
   }
 
-  // The joint positions at the bar's time, between the two nearest that are known.
+  // The joint positions at the bar's time, interpolated between the two nearest known ones.
   get joints() {
     if (!this.course) return null;
     const { times, joints } = this.course.course;
@@ -65,7 +65,7 @@ export class Timeline {
     this.show();
   }
 
-  // While the program runs, the bar goes with it; a finger on the bar looks elsewhere meanwhile.
+  // Move the bar along with the running program, unless the user is moving it.
   follow(display, runs) {
     if (!this.course || !runs || document.activeElement === this.bar) return;
     this.scrubbed = false;

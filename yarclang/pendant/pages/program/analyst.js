@@ -1,10 +1,11 @@
-// The analyst of one program: a language server behind the socket /api/analyst. What it says is text, never markup.
+// The analyst of a program: a language server behind the WebSocket /api/analyst. Its messages are shown as text, never
+// parsed as HTML.
 
 import { address } from "/api.js";
 import { h } from "/dom.js";
 import { hoverTooltip, setDiagnostics } from "/bundles/codemirror.js";
 
-const PAUSE = 150; // between the last change and its message [ms]
+const PAUSE = 150; // time from the last change of the text until it is sent [ms]
 const AGAIN = 3000;
 const FINAL = { 4401: "", 4403: "Findings need the role programmer.", 4409: "" };
 const SEVERITIES = [null, "error", "warning", "info", "hint"];
@@ -105,7 +106,7 @@ export class Analyst extends EventTarget {
     this.tell("waiting");
   }
 
-  // Tell the analyst what has changed: the last change first, so that the places of the others stay.
+  // Send the changes of the text. The last change comes first, so that it doesn't shift the positions of the others.
   flush() {
     clearTimeout(this.pause);
     if (!this.ready || (!this.changes && !this.whole)) return;
@@ -146,7 +147,7 @@ export class Analyst extends EventTarget {
     this.tell("findings", findings);
   }
 
-  // Apply edits if the text is still the one that they are for.
+  // Apply edits, if the text is still the one for which they were made.
   fix({ doc, edits }) {
     if (doc !== this.editor.doc) return false;
     this.editor.step(edits.map((one) => ({ from: offset(doc, one.range.start), to: offset(doc, one.range.end), insert: one.newText.replace(/\r\n?/g, "\n") })));
@@ -159,7 +160,7 @@ export class Analyst extends EventTarget {
     return this.fix({ doc, edits: edits ?? [] }) ? (edits ?? []).length : null;
   }
 
-  // while somebody types
+  // hover and completion
 
   at(pos) {
     return { textDocument: { uri: this.uri }, position: place(this.editor.doc, pos) };

@@ -1,4 +1,4 @@
-// What the buttons of the page do to the program: the server makes edits of it, the editor carries them out as one step.
+// Changes of the program by the page's buttons. The server computes the edits; the editor applies them as one step.
 
 import { post } from "/api.js";
 import { button, h } from "/dom.js";
@@ -12,7 +12,8 @@ export class Changing {
     this.app = page.app;
   }
 
-  // Let the server change the text; nothing is done if somebody types meanwhile.
+  // Let the server compute a change, and apply it. Nothing is changed if the user edits the text before the reply
+  // arrives.
   async change(change, doc = this.page.editor.doc) {
     const { editor, file } = this.page;
     if (doc !== editor.doc) return this.late();
@@ -26,11 +27,11 @@ export class Changing {
   }
 
   late() {
-    this.app.notice("The text was changed meanwhile: nothing was done. Try again.", true);
+    this.app.notice("The text has changed meanwhile: nothing was changed. Try again.", true);
     return false;
   }
 
-  // The last line of what is selected: what is inserted comes after it.
+  // The last line of the selection. New lines are inserted after it.
   get after() {
     const last = this.page.rows.selected.at(-1);
     const [, line] = this.page.editor.lines;
@@ -55,8 +56,8 @@ export class Changing {
     const show = () => {
       const via = wanted.motion === "MOVEC" && !this.via;
       hint.textContent = via
-        ? "The robot's place becomes the via point of the arc. Then jog to its end, and teach again."
-        : wanted.motion === "MOVEC" ? "The arc leads through the via point that was taken, and ends where the robot is now." : "The motion ends where the robot is now.";
+        ? "The robot's position becomes the via point of the arc. Then jog to the end of the arc, and teach again."
+        : wanted.motion === "MOVEC" ? "The arc passes through the recorded via point, and ends at the robot's position." : "The motion ends at the robot's position.";
       targets.hidden = wanted.motion !== "MOVEJ";
       axes.hidden = wanted.motion !== "DMOVE";
       name.hidden = !axes.hidden;
@@ -85,7 +86,7 @@ export class Changing {
   takeVia() {
     const joints = this.app.robot.display?.joints;
     if (!joints || joints.includes(null)) {
-      this.app.notice("Where the robot is isn't known: connect it first.", true);
+      this.app.notice("The robot's position is unknown: connect it first.", true);
       return;
     }
     this.app.teachingVia = joints;
@@ -141,7 +142,7 @@ export class Changing {
     return this.change({ kind: "delete", lines: [rows[0].line, last.line + last.rows - 1] });
   }
 
-  // Move the selected command or block before the one above it, or behind the one below: blocks are passed as a whole.
+  // Move the selected command or block up or down by one command. A neighbouring block counts as one command.
   move(step) {
     const { rows, editor } = this.page;
     const { commands, first } = rows;

@@ -1,4 +1,4 @@
-// Choose a program of the project, or begin a new one from a template.
+// Choice of a program of the project, and creation of a new program from a template.
 
 import { call, get, post } from "/api.js";
 import { button, h, put } from "/dom.js";

@@ -1,4 +1,4 @@
-// The difference of two texts, side by side, or one below the other on a small panel.
+// Display of the differences between two texts: side by side, or in one column on a narrow screen.
 
 import { EditorState, EditorView, MergeView, lineNumbers, unifiedMergeView } from "/bundles/codemirror.js";
 import { h } from "/dom.js";
@@ -14,7 +14,7 @@ const LOOK = EditorView.theme({
   ".cm-collapsedLines": { background: "var(--key)", color: "var(--soft)", minHeight: "44px", display: "flex", alignItems: "center" },
 });
 
-// Return an element that shows what makes one text the other, and a function that ends it.
+// Return an element that shows the changes from one text to the other, and a function that removes it.
 export function compared(before, after, language) {
   const host = h("div", { class: "compared" });
   const root = host.attachShadow({ mode: "open" });

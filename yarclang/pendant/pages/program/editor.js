@@ -1,4 +1,5 @@
-// The text of a program: CodeMirror in a shadow root, where its styles are constructed style sheets, as the pages' policy asks for.
+// The text editor: CodeMirror in a shadow root. There it uses constructed style sheets, which the content security
+// policy allows.
 
 import {
   Compartment, Decoration, EditorState, EditorView, StateEffect, StateField, Transaction, autocompletion, bracketMatching, completionKeymap, defaultKeymap, drawSelection,
@@ -24,7 +25,7 @@ const runningLine = StateField.define({
   provide: (field) => EditorView.decorations.from(field),
 });
 
-// Styles by the pages' own colours, which know light and dark.
+// Theme from the pages' CSS colours, which exist for light and dark mode.
 export const THEME = EditorView.theme({
   "&": { height: "100%", color: "var(--ink)", backgroundColor: "var(--card)", fontSize: "15px", borderRadius: "8px" },
   "&.cm-focused": { outline: "2px solid var(--accent)", outlineOffset: "-2px" },
@@ -57,7 +58,7 @@ export class Editor extends EventTarget {
     this.view = new EditorView({ parent: this.root, root: this.root, state: this.fresh("") });
   }
 
-  // A state without a history, or with the one that was kept.
+  // Return an editor state for a text; without a history, or with the stored state `kept`.
   fresh(text, kept = null) {
     const told = EditorView.updateListener.of((update) => {
       if (update.docChanged) this.dispatchEvent(new CustomEvent("changed", { detail: update }));
@@ -74,7 +75,7 @@ export class Editor extends EventTarget {
     return kept ? EditorState.fromJSON(kept, config, HISTORY) : EditorState.create({ doc: text, ...config });
   }
 
-  // The text and what undo and redo know, to be opened again.
+  // The text with its undo history, as data that `open` accepts.
   get kept() {
     return this.view.state.toJSON(HISTORY);
   }
@@ -89,7 +90,7 @@ export class Editor extends EventTarget {
     this.view.dispatch({ effects: this.language.reconfigure(extensions) });
   }
 
-  // What the analyst adds: completion, hover.
+  // Add the analyst's features: hover texts and completion.
   help(extensions, complete) {
     this.said = [extensions, autocompletion({ override: [complete], icons: false, maxRenderedOptions: 60 })];
     this.view.dispatch({ effects: this.analyst.reconfigure(this.said) });
@@ -103,7 +104,7 @@ export class Editor extends EventTarget {
     return this.doc.toString();
   }
 
-  // Another text in one step, which undo takes back; only what differs is replaced.
+  // Replace the text as one step, which the user can undo. Only the part that differs is replaced.
   become(text) {
     const old = this.text;
     const [was, is] = [old, text.replace(/\r\n?/g, "\n")];
@@ -115,7 +116,7 @@ export class Editor extends EventTarget {
     if (was !== is) this.step([{ from, to: was.length - end, insert: is.slice(from, is.length - end) }]);
   }
 
-  // Edits of the server (lines and columns from 1, in UTF-16 units) as one step.
+  // Apply edits of the server (lines and columns from 1, columns in UTF-16 units) as one step.
   apply(edits, line) {
     const at = (row, column) => {
       if (row > this.doc.lines) return this.doc.length;
@@ -130,7 +131,7 @@ export class Editor extends EventTarget {
     this.view.dispatch({ changes, annotations: [isolateHistory.of("full"), Transaction.userEvent.of("input.edit")], scrollIntoView: true });
   }
 
-  // The lines of the selection, from 1.
+  // The first and the last line of the selection, from 1.
   get lines() {
     const { from, to } = this.view.state.selection.main;
     return [this.doc.lineAt(from).number, this.doc.lineAt(to).number];

@@ -1,4 +1,4 @@
-// Forms made of fields as the server describes them.
+// Forms from the server's description of their fields.
 
 import { h } from "/dom.js";
 
@@ -19,7 +19,7 @@ export class Fields {
     return Object.fromEntries(this.fields.map((one, index) => [one.name, value(this.inputs[index])]));
   }
 
-  // Only those that a person has changed.
+  // The values that the user has changed.
   get changed() {
     return Object.fromEntries(Object.entries(this.all).filter(([name], index) => value(this.inputs[index]) !== String(this.fields[index].value ?? "") && name));
   }

@@ -1,9 +1,10 @@
-// A program as a file of the project: opened, saved, watched, and its draft, which survives a reload and a lost connection.
+// A program file of the project: opening, saving, detection of changes by others, and a draft of unsaved changes, which
+// survives a reload and a lost connection.
 
 import { call, get } from "/api.js";
 
 export const addressAt = (file) => `/api/files/${file.split("/").map(encodeURIComponent).join("/")}`;
-const EACH = 5000; // between two looks whether the file has changed on the disk [ms]
+const EACH = 5000; // time between two checks of the file on the disk [ms]
 
 export class ProgramFile extends EventTarget {
   constructor(app, file) {
@@ -17,7 +18,7 @@ export class ProgramFile extends EventTarget {
     document.addEventListener("visibilitychange", this.focused);
   }
 
-  // Read the file; return its text with plain line ends.
+  // Read the file. Return its text with "\n" as line ends.
   async open() {
     return this.take(await get(addressAt(this.file)));
   }
@@ -32,7 +33,7 @@ export class ProgramFile extends EventTarget {
     return this.base;
   }
 
-  // Look whether somebody else has changed the file.
+  // Check whether somebody else has changed the file.
   async look() {
     if (this.sha === undefined || this.busy || document.hidden) return;
     let told;
@@ -56,7 +57,7 @@ export class ProgramFile extends EventTarget {
     this.dispatchEvent(new CustomEvent(name, { detail }));
   }
 
-  // Write a text. `over`: the hash of what it replaces, if that isn't what was opened.
+  // Write a text. `over` is the hash of the version that it replaces, by default the version that was opened.
   async save(text, over = this.sha) {
     this.busy = true;
     try {

@@ -1,4 +1,4 @@
-// The findings of a program: code, message, help, and what the analyst would do about each.
+// The findings of a program: code, message, help, and the fixes that the analyst offers.
 
 import { button, h, put } from "/dom.js";
 
@@ -38,7 +38,7 @@ export class Findings {
     this.state.hidden = !text;
   }
 
-  // Lines and their worst severities.
+  // The worst severity of each line that has a finding.
   get marks() {
     const found = new Map();
     const worse = ["error", "warning", "info", "hint"];
@@ -49,7 +49,7 @@ export class Findings {
     return found;
   }
 
-  // The worst severity; empty: there are no findings.
+  // The worst severity of all findings; empty: there are none.
   get worst() {
     return ["error", "warning", "info", "hint"].find((severity) => this.all.some((one) => one.severity === severity)) ?? "";
   }

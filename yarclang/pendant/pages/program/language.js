@@ -1,4 +1,5 @@
-// Colours of programs: the same kinds as those of the Pygments lexer, made of the language's words as the server has them.
+// Syntax colouring of programs, with the same kinds of words as the Pygments lexer. The server provides the words of
+// the language.
 
 import { get } from "/api.js";
 import { HighlightStyle, StreamLanguage, syntaxHighlighting, tags } from "/bundles/codemirror.js";
@@ -43,7 +44,7 @@ const STYLE = HighlightStyle.define([
 
 const either = (words) => words.map((one) => one.replace(/[.*+?^${}()|[\]\\]/g, "\\$&")).join("|");
 
-// Return a function from a line to its pieces: [where it ends, kind].
+// Return a function that splits a line into pieces: [end, kind].
 export function pieces(words) {
   const units = new RegExp(`(?<!\\$)\\(\\s*(?:${either(words.units)})\\s*(?:,\\s*(?:${either(words.units)})\\s*)*\\)`, "gi");
   const command = new RegExp(`^(${either(words.commands)})((?:_(?:${either(words.suffixes)}))*)$`);
@@ -91,7 +92,7 @@ export function pieces(words) {
 
 let known = null;
 
-// Return the extensions that colour a program; without the server's words, those that colour nothing.
+// Return the editor extensions for syntax colouring; without the server's words, none.
 export async function language() {
   known ??= get("/api/language").catch(() => (known = null));
   const words = await known;

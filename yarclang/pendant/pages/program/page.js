@@ -1,4 +1,4 @@
-// Program: the commands of a program as a list, and its text; what is done in one is seen in the other.
+// The page Program: the program as a list of commands and as text. A change or selection in one is shown in the other.
 
 import { post } from "/api.js";
 import { button, h, mark, put, text } from "/dom.js";
@@ -13,7 +13,7 @@ import { Rows } from "/program/rows.js";
 import { Saving } from "/program/saving.js";
 import { Sheet } from "/program/sheet.js";
 
-const PAUSE = 300; // between the last change and the next look at the list, and at the draft [ms]
+const PAUSE = 300; // time from the last change until the list and the draft are updated [ms]
 const TABS = [["list", "List"], ["text", "Text"], ["found", "Findings"]];
 
 class ProgramPage {
@@ -37,7 +37,7 @@ class ProgramPage {
     language().then((made) => !this.closed && this.editor.colour(made));
   }
 
-  // what is on the page
+  // layout
 
   lay(place) {
     this.title = button("", () => choose(this), { class: "file", title: "Choose a program" });
@@ -49,7 +49,7 @@ class ProgramPage {
     this.warning = h("div", { class: "warnings" });
     this.host = h("div", { class: "text", "data-part": "text" });
     this.did = h("p", { class: "did", role: "status", hidden: true });
-    this.viaShown = h("div", { class: "via", hidden: true }, h("span", {}, "A via point is taken. Jog to the end of the arc, then teach a MOVEC here."), button("Drop it", () => this.changing.dropVia()));
+    this.viaShown = h("div", { class: "via", hidden: true }, h("span", {}, "A via point is recorded. Jog to the end of the arc, then teach a MOVEC here."), button("Drop it", () => this.changing.dropVia()));
     const { changing } = this;
     this.acts = [
       ["Teach here", () => changing.teach(), "main", () => true],
@@ -81,16 +81,16 @@ class ProgramPage {
     const picks = [
       act("Renumber the commands", () => this.changing.renumber()),
       act("Format the text", () => this.format()),
-      act("Name the pose where the robot is", () => this.changing.declare("pose")),
-      act("Name a frame where the robot is", () => this.changing.declare("frame")),
-      act("Name the joints where the robot is", () => this.changing.declare("joints")),
-      act("Look what has changed", () => this.saving.save()),
-      act("Take back all changes", () => this.editor.become(this.file.base)),
+      act("Declare the robot's pose under a name", () => this.changing.declare("pose")),
+      act("Declare a frame at the robot's pose", () => this.changing.declare("frame")),
+      act("Declare the joint position under a name", () => this.changing.declare("joints")),
+      act("Show the changes", () => this.saving.save()),
+      act("Undo all changes", () => this.editor.become(this.file.base)),
     ];
     this.sheet.open("More", h("div", { class: "picks" }, picks), [["Cancel"]]);
   }
 
-  // Say what was done in a line of its own: a notice would cover the buttons.
+  // Show a message about a change in its own line: a notice would cover the buttons.
   say(what) {
     text(this.did, what);
     this.did.hidden = false;
@@ -127,9 +127,9 @@ class ProgramPage {
 
   restore(draft) {
     this.editor.become(draft.text);
-    this.say("Changes that weren't saved are here again.");
+    this.say("Unsaved changes were restored.");
     if (draft.sha === this.file.sha) return;
-    // the draft was made from an older file: what is on the disk is somebody else's
+    // the draft is based on an older version, so the file on the disk counts as somebody else's
     this.file.other = { sha256: this.file.sha, text: this.file.base };
     this.file.sha = draft.sha;
     this.saving.warn();
@@ -142,7 +142,7 @@ class ProgramPage {
       return;
     }
     editor.become(file.take(file.other));
-    this.say(`${file.file} was changed on the disk, and is shown as it is now.`);
+    this.say(`${file.file} was changed on the disk, and was reloaded.`);
     this.refresh();
   }
 
@@ -170,7 +170,7 @@ class ProgramPage {
     this.refresh();
   }
 
-  // A long program is listed less often: its list takes the server a while.
+  // Schedule an update of the list. It is less frequent for a long program, whose list takes the server longer.
   listSoon(pause = Math.max(PAUSE, 2 * (this.took ?? 0))) {
     clearTimeout(this.listing);
     this.listing = setTimeout(() => this.list(), pause);
@@ -185,7 +185,7 @@ class ProgramPage {
       told = await post("/api/program/list", { file: this.file.file, text: doc.toString() });
     } catch (refused) {
       mark(this.rows.place, "data-old", "true");
-      if (refused.status !== 0 && !this.closed) this.app.notice(`The list isn't current: ${refused.message}`, true);
+      if (refused.status !== 0 && !this.closed) this.app.notice(`The list is out of date: ${refused.message}`, true);
       return;
     }
     this.took = performance.now() - began;
@@ -197,7 +197,7 @@ class ProgramPage {
     this.run();
   }
 
-  // The text's selection has changed: show its rows.
+  // Show the rows of the lines that are selected in the text.
   follow() {
     if (!this.choosing) this.rows.follow(...this.editor.lines);
     this.refresh();
@@ -217,7 +217,7 @@ class ProgramPage {
     this.editor.select(line, line, { focus: true });
   }
 
-  // One button's work at a time.
+  // Carry out the action of one button; ignore other buttons until it is done.
   async busy(act) {
     if (this.working) return;
     this.working = true;
@@ -231,7 +231,7 @@ class ProgramPage {
     }
   }
 
-  // Wait until the list is that of the text: buttons speak of its lines.
+  // Wait until the list is up to date: the buttons use its line numbers.
   async current() {
     if (this.listed !== this.editor.doc) await this.list();
   }
@@ -250,7 +250,7 @@ class ProgramPage {
     for (const one of this.acts) one.button.disabled = this.working || !one.may(this.rows.selected);
   }
 
-  // Light the line that runs, if it is one of this program.
+  // Highlight the line that is being executed, if it is in this program.
   run() {
     const display = this.app.robot.display;
     const names = [this.file?.file, this.file?.file.split("/").at(-1)];
@@ -274,21 +274,21 @@ class ProgramPage {
   }
 
   fix(fix) {
-    if (!this.analyst.fix(fix)) this.app.notice("The text has changed since: look at the findings again.", true);
+    if (!this.analyst.fix(fix)) this.app.notice("The text has changed since: check the findings again.", true);
   }
 
   async format() {
     const count = await this.analyst.format().catch((error) => (this.app.notice(error.message, true), null));
-    if (count !== null) this.say(count ? "The text is formatted." : "The text was formatted already.");
+    if (count !== null) this.say(count ? "The text was formatted." : "The text was formatted already.");
   }
 
-  // Return true if the page may be left: before a run a person decides, as it is the file on the disk that runs. Elsewhere, as for
-  // jogs between two points, changes are kept as a draft, and come back with the page.
+  // Return true if the page may be left. Before the page Run, the user decides about unsaved changes, because a run
+  // uses the file on the disk. Other pages, such as Jog, need no decision: the changes are kept as a draft.
   async mayLeave() {
     if (!this.isChanged || !location.hash.startsWith("#/run")) return true;
     this.keep();
     const answers = [["Save", "save", "main"], ["Leave, keep the draft", "keep"], ["Discard my changes", "discard"], ["Stay", "stay"]];
-    const said = await this.sheet.ask(`${this.file.file} isn't saved`, h("p", {}, "Run carries out what is saved. A draft stays in this browser if you leave."), answers);
+    const said = await this.sheet.ask(`${this.file.file} isn't saved`, h("p", {}, "Run executes the saved version. If you leave, a draft is kept in this browser."), answers);
     if (said === "discard") this.file.discard();
     this.discarded = said === "discard";
     if (said === "save") {

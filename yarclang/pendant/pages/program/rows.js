@@ -1,9 +1,9 @@
-// The list of commands: however long it is, only the rows in sight are in the page.
+// The list of commands. Only the visible rows are in the page, even for a long program.
 
 import { h, mark } from "/dom.js";
 
 const HEIGHT = 46;
-const BESIDE = 6; // rows above and below of those in sight
+const BESIDE = 6; // number of rows above and below the visible ones that are also in the page
 
 export class Rows extends EventTarget {
   constructor() {
@@ -35,7 +35,7 @@ export class Rows extends EventTarget {
     this.draw();
   }
 
-  // Severities by lines.
+  // Set the worst severity of each line.
   findings(marks) {
     this.marks = marks;
     for (const [index, row] of this.shown) this.dress(row, index);
@@ -48,7 +48,7 @@ export class Rows extends EventTarget {
     if (line) this.reveal(this.rowOf(line));
   }
 
-  // The index of the row that has a line; of lines between two commands, that of the one before.
+  // Return the index of the row with a line; for a line between two commands, that of the row before.
   rowOf(line) {
     let [from, to] = [0, this.commands.length];
     while (from < to) {
@@ -59,7 +59,7 @@ export class Rows extends EventTarget {
     return from - 1;
   }
 
-  // Show which lines the text has selected.
+  // Mark the rows of the lines that are selected in the text.
   follow(first, last) {
     const [from, to] = [this.rowOf(first), this.rowOf(last)];
     if (from === this.first && to === this.last) return;

@@ -1,4 +1,4 @@
-// Saving with a look at what changes, and what is done if somebody else has changed the file.
+// Saving: the changes are shown first. If somebody else has changed the file, the user chooses what to do.
 
 import { h, put } from "/dom.js";
 import { compared } from "/program/comparing.js";
@@ -28,7 +28,7 @@ export class Saving {
     const text = editor.text;
     try {
       await pinned(this.app, () => file.save(text, over));
-      this.page.say(`${file.file} is saved.`);
+      this.page.say(`${file.file} was saved.`);
       this.page.keep();
       put(this.page.warning);
     } catch (refused) {
@@ -40,21 +40,21 @@ export class Saving {
     this.page.refresh();
   }
 
-  // The three choices as a strip in the page: nothing is lost as long as none is taken.
+  // Show the three choices in the page. Until the user chooses one, nothing is lost.
   warn() {
     const { file, warning } = this.page;
     if (!file.other) {
       put(warning);
       return;
     }
-    const what = file.other.gone ? "isn't on the disk any more" : "was changed on the disk meanwhile";
-    put(warning, h("div", { class: "ask", role: "alert" }, h("span", {}, `${file.file} ${what}, and you have changes that aren't saved.`), h("div", { class: "actions" }, this.choices().map(([label, act]) => h("button", { type: "button", onclick: act }, label)))));
+    const what = file.other.gone ? "no longer exists on the disk" : "was changed on the disk meanwhile";
+    put(warning, h("div", { class: "ask", role: "alert" }, h("span", {}, `${file.file} ${what}, and you have unsaved changes.`), h("div", { class: "actions" }, this.choices().map(([label, act]) => h("button", { type: "button", onclick: act }, label)))));
   }
 
   choices() {
     const { other } = this.page.file;
     const theirs = [
-      ["Look at the difference", () => this.conflict()],
+      ["Show the difference", () => this.conflict()],
       ["Take theirs", () => this.take()],
     ];
     return [...(other.gone ? [] : theirs), ["Write mine", () => this.write(other.sha256)]];
@@ -65,7 +65,7 @@ export class Saving {
     this.warn();
     if (file.other.gone) return;
     const theirs = file.other.text.replace(/^\ufeff/, "").replace(/\r\n?/g, "\n");
-    this.show(`${file.file}: theirs and mine`, theirs, editor.text, [["Take theirs", () => this.take()], ["Write mine", () => this.write(file.other?.sha256), "main"], ["Decide later"]], "Theirs is what the disk has now; mine is the text here.");
+    this.show(`${file.file}: theirs and mine`, theirs, editor.text, [["Take theirs", () => this.take()], ["Write mine", () => this.write(file.other?.sha256), "main"], ["Decide later"]], "Theirs is the file on the disk; mine is the text in this editor.");
   }
 
   take() {

@@ -1,4 +1,4 @@
-// A sheet over the page that asks or shows something. It isn't modal: STOP and the bar stay what they are.
+// A sheet over the page with a question or a form. It isn't modal, so the STOP button and the status bar stay usable.
 
 import { button, h, put } from "/dom.js";
 
@@ -8,7 +8,7 @@ export class Sheet {
     place.append(this.place);
   }
 
-  // Show content and buttons ([label, act, class]); a button closes the sheet first.
+  // Show content and buttons [label, action, class]. A button first closes the sheet, then calls its action.
   open(title, content, buttons, kind = "") {
     this.closing?.();
     this.closing = null;
@@ -24,7 +24,7 @@ export class Sheet {
     (this.place.querySelector("input, select") ?? this.place.querySelector(".main") ?? this.place).focus({ preventScroll: true });
   }
 
-  // Ask for one of several answers; the last one is that of a sheet which is closed otherwise.
+  // Ask a question with several answers. If the sheet is closed without an answer, the last one counts.
   ask(title, content, buttons) {
     return new Promise((done) => {
       this.open(title, content, buttons.map(([label, value, look]) => [label, () => done(value), look]), "small");

@@ -1,4 +1,5 @@
-// Bodies and frames: drawn once of the description; then only the groups that joints move are moved.
+// The bodies and frames of the scene. They are created once from the server's description; afterwards only the groups
+// that joints move are updated.
 
 import {
   Color, CylinderGeometry, DoubleSide, EdgesGeometry, FrontSide, Group, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial,
@@ -6,10 +7,10 @@ import {
 } from "/bundles/three.js";
 import { geometry } from "/scene/load.js";
 
-const LENGTH = 0.12; // of a frame's axes [m]
+const LENGTH = 0.12; // length of a frame's axes, as drawn [m]
 const AXES = [[0xd83a3a, [0, 0, -Math.PI / 2]], [0x2f9e44, [0, 0, 0]], [0x2f6fde, [Math.PI / 2, 0, 0]]];
-const MOST_EDGED = 3000; // triangles of a body whose edges are drawn
-const AT_ONCE = 6; // meshes that are asked for together
+const MOST_EDGED = 3000; // largest number of triangles of a body whose edges are drawn
+const AT_ONCE = 6; // number of meshes that are requested at the same time
 
 export function colour([red, green, blue]) {
   return new Color().setRGB(red / 255, green / 255, blue / 255, SRGBColorSpace);
@@ -19,7 +20,7 @@ export function matrix(rows) {
   return new Matrix4().set(...rows, 0, 0, 0, 1);
 }
 
-// The group in which a body or a frame is switched on and off.
+// Return the switch that shows and hides a frame.
 function switchOf(axes) {
   if (!axes.matters) return "others";
   if (axes.joint > 0) return "tools";
@@ -33,8 +34,8 @@ export class Bodies {
     this.materials = new Set();
     this.groups = [];
     this.ghosts = [];
-    this.items = []; // {item, mesh, material}
-    this.triads = []; // {axes, group}
+    this.items = []; // bodies: {item, mesh, material}
+    this.triads = []; // frames: {axes, group}
     this.on = {};
     this.time = null;
     this.ghosted = false;
@@ -48,7 +49,7 @@ export class Bodies {
     return material;
   }
 
-  // Draw what is described; meshes that are there already aren't loaded again.
+  // Create the described bodies and frames. Meshes that are already loaded are reused.
   async draw(told) {
     const ids = [...new Set(told.items.map(({ mesh }) => mesh))];
     const found = new Map();
@@ -157,19 +158,20 @@ export class Bodies {
     matrix(rows).decompose(object.position, object.quaternion, object.scale);
   }
 
-  // The switches that there is something for.
+  // The kinds that occur in the scene.
   get kinds() {
     return new Set([...this.items.map(({ item }) => item.kind), ...this.triads.map(({ axes }) => switchOf(axes))]);
   }
 
-  // Show or hide kinds: `on` says it for each.
+  // Show and hide kinds of bodies and frames. `on` has true or false for each kind.
   show(on) {
     this.on = on;
     for (const { axes, group } of this.triads) group.visible = on[switchOf(axes)] !== false;
     this.at(this.time);
   }
 
-  // Show what is there at a time of the program [s]; null: at its beginning. True if that is something else than before.
+  // Show the bodies that exist at a time of the program [s]; null: before its beginning. Return true if this changes
+  // the visible bodies.
   at(time) {
     this.time = time;
     const now = time ?? -Infinity;
@@ -183,7 +185,7 @@ export class Bodies {
     return other;
   }
 
-  // A part that is held hangs on the ghost as long as there is one.
+  // Attach held parts to the translucent robot if it is shown, otherwise to the robot.
   carry() {
     for (const { item, mesh } of this.items) {
       if (item.kind !== "part" || item.joint === 0) continue;
@@ -192,7 +194,7 @@ export class Bodies {
     }
   }
 
-  // Move the links; `links` are 7 numbers for each joint.
+  // Move the links to their poses: 7 numbers (position and quaternion) for each joint.
   moveTo(links, groups = this.groups) {
     const place = new Vector3();
     const turn = new Quaternion();
@@ -206,7 +208,7 @@ export class Bodies {
     }
   }
 
-  // A second, translucent robot; null: none.
+  // Show a second, translucent robot at the links' poses; null: hide it.
   ghost(links) {
     this.ghosted = links !== null;
     for (const group of this.ghosts) group.visible = this.ghosted;
@@ -214,7 +216,8 @@ export class Bodies {
     this.carry();
   }
 
-  // Colours: those that touch or stop the robot, and those that are marked (the ghost's, if it has them), or all grey.
+  // Colour bodies that touch or stop the robot (`names`) and marked bodies; all grey if the data is stale. A marked
+  // link is coloured on the translucent robot, if that is shown.
   light(names, marked, stale) {
     if (!this.told) return;
     this.marked = marked;
@@ -228,7 +231,7 @@ export class Bodies {
     }
   }
 
-  // Where a body is looked for: a marked link is where the ghost has it.
+  // Return the mesh at which a label for a body stands: for a marked link, that of the translucent robot.
   standsFor({ item, mesh, ghost }) {
     return ghost && this.ghosted && this.marked.has(item.name) ? ghost : mesh;
   }

@@ -1,4 +1,4 @@
-// From where the scene is seen: one finger turns, two fingers pan and pinch, and views that are named.
+// The camera: one finger orbits, two fingers pan and zoom, and there are named views.
 
 import { OrbitControls, PerspectiveCamera, Vector3 } from "/bundles/three.js";
 import { matrix } from "/scene/bodies.js";
@@ -27,7 +27,7 @@ export class Eye {
     this.camera.updateProjectionMatrix();
   }
 
-  // Take one of VIEWS; `told`: the scene's description.
+  // Show one of VIEWS. `told` is the scene's description.
   take(view, told) {
     this.view = view;
     this.touched = false;
@@ -48,7 +48,8 @@ export class Eye {
     this.changed();
   }
 
-  // How far away [m] all corners of a box are seen; `half`: one of them, from the middle.
+  // Return the distance [m] from which all corners of a box are visible. `half` is the vector from the box's middle to
+  // a corner.
   away(from, half) {
     const right = new Vector3(0, 0, 1).cross(from).normalize();
     const up = from.clone().cross(right);
@@ -67,7 +68,7 @@ export class Eye {
     return found.lengthSq() > 1e-9 ? found : new Vector3(1, 0.8, 0.5);
   }
 
-  // A camera that rides on the tool and looks where the tool points; `group` is what the last joint moves.
+  // Move the camera with the tool, looking along the tool's axis. `group` is the group that the last joint moves.
   ride(group, told) {
     if (this.view !== "tool") return;
     const origin = new Vector3().setFromMatrixPosition(matrix(told.tool_pose));

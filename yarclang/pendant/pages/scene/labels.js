@@ -1,11 +1,11 @@
-// Names in the picture: texts beside the canvas's content, of which none lies on another.
+// Labels with names in the scene: HTML texts over the canvas. No two of them overlap.
 
 import { Quaternion, Vector3 } from "/bundles/three.js";
 import { h, text } from "/dom.js";
 
 const CHARACTER = 7.6; // width of a character [px]
 const HIGH = 19;
-const SPOT = 0.06; // frames that are nearer together than this have one label [m]
+const SPOT = 0.06; // frames that are nearer together than this share one label [m]
 
 export class Labels {
   constructor(element) {
@@ -15,7 +15,8 @@ export class Labels {
     this.at = new Vector3();
   }
 
-  // `wanted`: [{text, object, offset, kind, weight}]; heavier ones are written first. The elements are used again.
+  // Set the labels: [{text, object, offset, kind, weight}]. Labels with a larger weight take precedence. Existing
+  // elements are reused.
   set(wanted) {
     const sorted = [...wanted].sort((a, b) => b.weight - a.weight);
     while (this.labels.length > sorted.length) this.labels.pop().element.remove();
@@ -27,7 +28,7 @@ export class Labels {
     });
   }
 
-  // Put each name at its body, as far as there is room; returns how many are written.
+  // Place each label at its body, if there is room. Return the number of visible labels.
   place(camera, width, height) {
     const taken = [];
     for (const label of this.labels) {
@@ -63,7 +64,8 @@ function shown(object) {
   return true;
 }
 
-// What is written in a scene: names of frames, of bodies that have one, and of those that are lit; `tool`: the followed frame; `chosen`: the frames of jogging and display, which are marked.
+// Return the labels of a scene: frames, bodies with a visible name, and highlighted bodies. `tool` is the followed
+// frame; `chosen` are the frames for jogging and display, which are marked.
 export function namesOf(bodies, tool, lit, chosen) {
   const seen = new Set();
   const wanted = bodies.items.filter(({ item, mesh }) => mesh.visible && (item.named || lit.has(item.name)) && item.kind !== "shape" && !seen.has(item.name) && seen.add(item.name));
@@ -73,7 +75,7 @@ export function namesOf(bodies, tool, lit, chosen) {
   return [...spots(bodies.triads, tool, chosen), ...named];
 }
 
-// Names of frames; those that are at one spot have one label.
+// Return the labels of frames. Frames at the same place share one label.
 function spots(triads, tool, chosen) {
   const found = [];
   const first = triads.filter(({ group }) => group.visible).sort((a, b) => (b.axes.name === tool) - (a.axes.name === tool));
@@ -88,7 +90,7 @@ function spots(triads, tool, chosen) {
   return found;
 }
 
-// The highest point in the middle of a body, in its own frame.
+// Return the highest point above the middle of a body, in the body's own frame.
 function top(mesh) {
   const box = mesh.geometry.boundingBox;
   const middle = box.getCenter(new Vector3());

@@ -1,15 +1,15 @@
-// What the server says of the scene: its description, its meshes, and where links are at joint positions.
+// Requests for the scene: its description, its meshes, and the poses of links at given joint positions.
 
 import { get } from "/api.js";
 import { BufferAttribute, BufferGeometry } from "/bundles/three.js";
 
-// Joint positions in one question.
+// Largest number of joint positions in one request.
 const MOST_ROWS = 2000;
 
-// Of the robot in the cell of its session, or of a loaded program, by its number.
+// Request the scene of a loaded program by its number; null: the scene of the robot in the session's cell.
 export const describe = (program = null) => get(program === null ? "/api/scene" : `/api/scene?program=${program}`);
 
-// Answers that are bytes; a login that has ended is told to the page like everywhere.
+// Request binary data. If the login has ended, the login page is shown, as after every other request.
 async function bytes(path, options = {}) {
   const answer = await fetch(path, { credentials: "same-origin", ...options });
   if (answer.ok) return answer.arrayBuffer();
@@ -18,7 +18,7 @@ async function bytes(path, options = {}) {
   throw new Error(told.error);
 }
 
-// A mesh as a geometry: V, F, corners, triangles, normals.
+// Request a mesh and convert it to a geometry. Its format: V, F, corners, triangles, normals.
 export async function geometry(id) {
   const content = await bytes(`/api/scene/mesh/${encodeURIComponent(id)}`);
   const [count, triangles] = new Uint32Array(content, 0, 2);
@@ -31,7 +31,8 @@ export async function geometry(id) {
   return made;
 }
 
-// Placements (7 numbers a joint) for lists of joint positions, in the order of the robot's joints.
+// Request the poses of the links (7 numbers for each joint) at several joint positions, in the order of the robot's
+// joints.
 export async function placements(rows) {
   const found = [];
   for (let begin = 0; begin < rows.length; begin += MOST_ROWS) {

@@ -1,4 +1,4 @@
-// 3D: the picture, its views, and what is shown in it.
+// The page 3D: the scene, its views, and switches for its bodies.
 
 import { button, h, put } from "/dom.js";
 import { VIEWS } from "/scene/eye.js";
@@ -16,7 +16,7 @@ export function scenePage(place, app) {
   return made.open();
 }
 
-// A picture with its buttons, to be put somewhere; `open` begins to draw and returns what ends it.
+// Create a three-dimensional view with its buttons. `open` begins to draw, and returns a function that ends it.
 export function picture(app) {
   const view = h("div", { class: "scene-view" });
   const notes = h("p", { class: "scene-notes", role: "status", hidden: true });
@@ -45,7 +45,7 @@ export function picture(app) {
     const { kinds } = scene.bodies;
     put(boxes, SWITCHES.filter(([kind]) => kinds.has(kind) || ALWAYS.has(kind)).map(([kind, label]) =>
       h("label", {}, h("input", { type: "checkbox", checked: on[kind], onchange: ({ target }) => change(kind, target.checked) }), label)));
-    // what the picture lacks: nobody may take it for a free way
+    // name what the scene can't show: otherwise it might be taken for free space
     put(notes, told.notes.map((one) => h("span", {}, one)));
     notes.hidden = !told.notes.length;
   }
@@ -69,7 +69,7 @@ export function picture(app) {
   return { element, open, get scene() { return scene; } };
 }
 
-// A picture beside another page, as long as the screen is wide enough; returns what ends it.
+// Show a three-dimensional view beside another page, if the screen is wide enough. Return a function that ends it.
 export function beside(place, app) {
   const wide = matchMedia("(min-width: 1100px)");
   let end = null;

@@ -1,21 +1,21 @@
-// Canvas, lights and floor, and when they are drawn: only if something is another one, with fewer pixels where drawing is slow.
+// Canvas, lights and floor. A frame is drawn only after a change, with fewer pixels on slow devices.
 
 import { Color, DirectionalLight, GridHelper, HemisphereLight, Scene, Vector3, WebGLRenderer } from "/bundles/three.js";
 import { Eye } from "/scene/eye.js";
 
-const RATIOS = [1, 0.75, 0.5]; // of the screen's pixels, for machines that draw slowly
+const RATIOS = [1, 0.75, 0.5]; // shares of the screen's resolution, for devices that draw slowly
 const MOST_RATIO = 2;
-const SLOW = 60; // a frame that takes longer is one too many of these [ms]
-const HELD = 100; // time between two frames while something is held: the release comes first [ms]
-const STILL = 350; // after so long without a change it is drawn once more, sharply [ms]
+const SLOW = 60; // time between two frames above which drawing counts as slow [ms]
+const HELD = 100; // shortest time between two frames while a button is held, so that its release isn't delayed [ms]
+const STILL = 350; // time without a change after which the scene is drawn once at full resolution [ms]
 
 export class Painter {
-  // `element`: gets the canvas; `hooks`: `isHeld` (is a button held that moves the robot), `before` and `after` a frame, `say` something.
-  // Throws if the browser has no WebGL.
+  // `element` receives the canvas. `hooks` are functions: `isHeld` (is a button held that moves the robot?), `before`
+  // and `after` a frame, and `say` (show a message). Throws an error if the browser has no WebGL.
   constructor(element, hooks) {
     Object.assign(this, { element, hooks, frames: 0, slow: 0, level: 0, last: 0, told: null, grid: null });
     this.renderer = new WebGLRenderer({ antialias: true, powerPreference: "low-power" });
-    this.renderer.debug.checkShaderErrors = false; // to ask for errors would wait for the graphics
+    this.renderer.debug.checkShaderErrors = false; // checking for errors would wait for the graphics card
     this.canvas = this.renderer.domElement;
     this.canvas.setAttribute("role", "img");
     this.canvas.setAttribute("aria-label", "The robot in three dimensions");
@@ -36,7 +36,7 @@ export class Painter {
     const { signal } = this.ending;
     this.canvas.addEventListener("webglcontextlost", (event) => {
       event.preventDefault();
-      this.hooks.say("The graphics of this browser were lost: the picture comes back when they do.");
+      this.hooks.say("This browser has lost its graphics: the picture returns when they are restored.");
     }, { signal });
     this.canvas.addEventListener("webglcontextrestored", () => {
       this.hooks.say("");
@@ -49,7 +49,7 @@ export class Painter {
     this.sizes.observe(this.element);
   }
 
-  // Something else is to be seen: `told` is its description. Shaders are made before the first frame.
+  // Prepare to draw another scene, described by `told`. Its shaders are compiled before the first frame.
   async take(told) {
     const first = !this.told;
     const other = first || JSON.stringify([told.low, told.high]) !== JSON.stringify([this.told.low, this.told.high]);
@@ -60,7 +60,7 @@ export class Painter {
     if (first) await this.renderer.compileAsync(this.scene, this.eye.camera).catch(() => {});
   }
 
-  // Colours of the page: light or dark.
+  // Use the page's colours: light or dark.
   paint() {
     const styles = getComputedStyle(document.documentElement);
     const shade = (name) => new Color(styles.getPropertyValue(name).trim() || "#888");
@@ -102,7 +102,7 @@ export class Painter {
     this.renderer.setSize(this.element.clientWidth, this.element.clientHeight);
   }
 
-  // Something is another one: draw it with the next frame.
+  // Request a new frame after a change.
   invalidate() {
     if (this.closed || this.asked || !this.told) return;
     const wait = this.hooks.isHeld() ? HELD - (performance.now() - this.last) : 0;
@@ -127,7 +127,7 @@ export class Painter {
     if (this.level > 0 && !this.sharp) this.sharpening = setTimeout(() => this.sharpen(), STILL);
   }
 
-  // Fewer pixels if frames that follow each other come too slowly.
+  // Reduce the resolution if successive frames take too long.
   measure() {
     const now = performance.now();
     const each = now - this.last;
@@ -145,7 +145,7 @@ export class Painter {
     }
   }
 
-  // The picture stands still: once with all pixels.
+  // Draw the unchanged scene once at full resolution.
   sharpen() {
     if (this.closed || this.asked || this.hooks.isHeld()) return;
     this.sharp = true;

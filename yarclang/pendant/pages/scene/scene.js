@@ -1,4 +1,5 @@
-// The robot in three dimensions, as it stands now: beside it the path of a program, its cell, and a ghost that carries its parts.
+// The robot in three dimensions at its present position, with its cell, the path of a program, and a translucent robot
+// that carries the program's parts.
 
 import { Group } from "/bundles/three.js";
 import { h, text } from "/dom.js";
@@ -9,14 +10,14 @@ import { describe, placements } from "/scene/load.js";
 import { Painter } from "/scene/painter.js";
 import { wayOf } from "/scene/way.js";
 
-// What is shown at first.
+// Kinds of bodies and frames that are visible at first.
 export const FIRST = { robot: true, tool: true, obstacle: true, part: true, zone: true, shape: false, base: true, tools: true, frames: true, others: false, way: true, labels: true, grid: true };
 
-const NEAR = 0.5; // joints so near to some of the course stand there [deg or mm]
-const AGAIN = 3000; // what couldn't be loaded is tried again after so long [ms]
+const NEAR = 0.5; // largest distance from joint positions of the course at which their known link poses are used [deg or mm]
+const AGAIN = 3000; // time after which a failed request is repeated [ms]
 
 export class Scene3D {
-  // `element`: gets the picture; `app`: the pendant.
+  // `element` receives the view; `app` is the pendant.
   constructor(element, app) {
     Object.assign(this, { element, app, on: { ...FIRST }, links: null, version: "", program: null, time: null, marked: [] });
     style();
@@ -32,7 +33,7 @@ export class Scene3D {
       });
     } catch {
       element.append(this.words);
-      text(this.words, "This browser can't draw in three dimensions (WebGL is off or missing). All else works.");
+      text(this.words, "This browser can't draw in three dimensions (WebGL is off or missing). All other pages work.");
       this.failed = true;
       return;
     }
@@ -55,7 +56,7 @@ export class Scene3D {
     robot.addEventListener("frames", () => (this.name(), this.invalidate()), { signal });
   }
 
-  // Read the description, and draw what is another one.
+  // Request the description, and draw what has changed.
   async load() {
     if (this.loading) {
       this.again = true;
@@ -96,7 +97,8 @@ export class Scene3D {
     this.invalidate();
   }
 
-  // A program that isn't there any more leaves the robot in the cell of its session; all else is tried again.
+  // Handle a failed request. If the program no longer exists, show the robot in the session's cell; otherwise try
+  // again.
   fail(program, trouble) {
     if (this.closed || program !== this.program) return;
     this.say(`The picture can't be shown: ${trouble.message}`);
@@ -108,7 +110,7 @@ export class Scene3D {
     this.program = null;
   }
 
-  // Show a loaded program in its own cell, by its number; null: the robot in the cell of its session.
+  // Show a loaded program in its own cell, by its number; null: the robot in the session's cell.
   showProgram(number) {
     if (this.failed || this.wantedProgram === number) return;
     this.wantedProgram = this.program = number;
@@ -117,7 +119,7 @@ export class Scene3D {
     this.load();
   }
 
-  // The time of the program [s] for which its parts are shown; null: its beginning.
+  // Show the parts at a time of the program [s]; null: at its beginning.
   showTime(time) {
     if (this.time === time) return;
     this.time = time;
@@ -126,14 +128,14 @@ export class Scene3D {
     this.invalidate();
   }
 
-  // Light bodies up, by their names; where the ghost is seen, it is the ghost's that are.
+  // Highlight bodies by their names; on the translucent robot, if that is shown.
   mark(names) {
     if (names.join("\n") === this.marked.join("\n")) return;
     this.marked = names;
     this.light();
   }
 
-  // What the robot does now.
+  // Show the present state of the robot.
   take(display) {
     if (!display || !this.told || this.closed) return;
     if (this.program === null && display.scene && display.scene !== this.version && !this.loading) {
@@ -154,7 +156,7 @@ export class Scene3D {
     return !robot.connected || !robot.display?.connected || robot.display.mode === "disconnected";
   }
 
-  // Colours of what touches or stops the robot, and of what is marked; grey where nobody knows how it stands.
+  // Colour bodies that touch or stop the robot, and marked bodies; all grey while the robot's position is unknown.
   light() {
     const { display } = this.app.robot;
     const names = [...(display?.touching ?? []), ...(display?.stopped_by ?? [])];
@@ -162,7 +164,7 @@ export class Scene3D {
     if (!this.told || this.closed || key === this.lit) return;
     this.lit = key;
     this.bodies.light(new Set(names), new Set(this.marked), this.stale);
-    this.say(this.stale ? "Not connected: the robot may stand elsewhere." : this.lost ? `This is the robot's present cell: ${this.lost}` : "");
+    this.say(this.stale ? "Not connected: the robot may be at another position." : this.lost ? `This is the robot's present cell: ${this.lost}` : "");
     this.name(new Set([...names, ...this.marked]));
     this.invalidate();
   }
@@ -178,7 +180,7 @@ export class Scene3D {
     this.words.hidden = what === "";
   }
 
-  // Switch kinds of things on or off, as in FIRST.
+  // Show or hide kinds of bodies and frames, as listed in FIRST.
   show(on) {
     Object.assign(this.on, on);
     if (this.failed) return;
@@ -190,12 +192,12 @@ export class Scene3D {
     this.invalidate();
   }
 
-  // One of VIEWS in eye.js.
+  // Show one of VIEWS (eye.js).
   look(view) {
     if (this.told) this.eye.take(view, this.told);
   }
 
-  // Show the path of a course {times, joints}; the links along it are known from then on.
+  // Show the path of a course {times, joints}. Afterwards, the poses of the links along it are known.
   async showWay(course) {
     if (this.failed) return;
     this.course = course;
@@ -224,7 +226,7 @@ export class Scene3D {
     this.invalidate();
   }
 
-  // A second robot at joint positions [deg or mm]; null: none.
+  // Show a second, translucent robot at joint positions [deg or mm]; null: hide it.
   ghost(joints) {
     this.wanted = joints;
     this.drawGhost();
@@ -238,7 +240,7 @@ export class Scene3D {
       this.ghostAt(known || null);
       return;
     }
-    if (this.placing) return; // the newest one is asked for afterwards
+    if (this.placing) return; // the newest position is requested after this request
     this.placing = true;
     const [found] = await placements([joints]).catch(() => [null]);
     this.placing = false;
@@ -257,7 +259,7 @@ export class Scene3D {
     this.painter?.invalidate();
   }
 
-  // Free all that the picture holds.
+  // Release all resources.
   close() {
     if (this.closed) return;
     this.closed = true;
@@ -272,7 +274,7 @@ export class Scene3D {
   }
 }
 
-// The rules of the picture's parts, once for all pictures.
+// Load the style sheet of these views, unless it is loaded already.
 function style() {
   if (document.querySelector("link[href='/scene/scene.css']")) return;
   document.head.append(h("link", { rel: "stylesheet", href: "/scene/scene.css" }));

@@ -1,12 +1,12 @@
-// The path of a program's tool, coloured by its speed, and where the links are along it.
+// The path of the tool in a program, coloured by speed, and the poses of the links along it.
 
 import { LineMaterial, LineSegments2, LineSegmentsGeometry, Quaternion, Vector3 } from "/bundles/three.js";
 import { colour, matrix } from "/scene/bodies.js";
 import { placements } from "/scene/load.js";
 
-const WIDTH = 3.5; // [px]
+const WIDTH = 3.5; // width of the path, as drawn [px]
 
-// `course`: {times [s], joints: [[deg or mm]]}; `told`: the scene's description.
+// `course` is {times [s], joints: [[deg or mm]]}; `told` is the scene's description.
 export async function wayOf(course, told) {
   const links = await placements(course.joints);
   const tool = new Vector3().setFromMatrixPosition(matrix(told.tool_pose));
@@ -41,7 +41,8 @@ export class Way {
     this.line.frustumCulled = false;
   }
 
-  // Where the links are at joint positions that are (nearly) some of the course; null: it has none.
+  // Return the poses of the links at joint positions that differ from some of the course by less than `within`; null:
+  // there are none.
   near(joints, within) {
     let [best, found] = [within, null];
     this.course.joints.forEach((row, number) => {

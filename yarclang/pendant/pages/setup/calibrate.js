@@ -1,4 +1,5 @@
-// Calibrate: a tool's tip, a frame, the joints' offsets, from touches that the server takes where the robot stands.
+// The page Calibrate: the tip of a tool, a frame, or the offsets of motors. The server records the robot's position at
+// each touch.
 
 import { get, post, remove } from "/api.js";
 import { button, h, put } from "/dom.js";
@@ -9,7 +10,7 @@ import { picture } from "/setup/calibration/pictures.js";
 import { resultOf, spreadOf, touchesOf } from "/setup/calibration/results.js";
 import { Writing } from "/setup/calibration/writing.js";
 
-const EACH = 3000; // another page of the same person, or another person, may have gone on [ms]
+const EACH = 3000; // time between two requests [ms]: another page or another user may have continued the calibration
 const LOOKS = 500;
 const TITLES = { tip: "Tool tip", frame: "Frame", home: "Joint offsets" };
 
@@ -32,7 +33,7 @@ class CalibratePage {
     this.ending = new AbortController();
     app.robot.addEventListener("display", () => this.refresh(), { signal: this.ending.signal });
     this.asking = setInterval(() => this.ask(), EACH);
-    // control of the robot changes without a display
+    // control of the robot may change without a display message
     this.looks = setInterval(() => this.refresh(), LOOKS);
     this.ask();
   }
@@ -48,7 +49,7 @@ class CalibratePage {
     this.draw();
   }
 
-  // Ask the server for a change; what was changed elsewhere meanwhile is shown.
+  // Request a change. If the calibration was changed elsewhere, show its new state.
   async change(work) {
     try {
       this.take(await work());
@@ -97,13 +98,13 @@ class CalibratePage {
     this.looking.refresh();
   }
 
-  // Why no touch can be taken now; empty: one can.
+  // Return the reason why no touch can be recorded now; empty: one can.
   idle() {
     const { display } = this.app.robot;
-    if (!this.app.may("programmer")) return "Touches are taken by programmers.";
+    if (!this.app.may("programmer")) return "Recording touches needs the role programmer.";
     if (!display?.connected) return "The robot can't be reached.";
-    if (display.under_way) return "The robot is under way: wait until it stands.";
-    if (display.homed === false && this.told.kind !== "home") return "A motor isn't referenced: home the robot first.";
+    if (display.under_way) return "The robot is under way: wait until it is at rest.";
+    if (display.homed === false && this.told.kind !== "home") return "A motor isn't homed: home the robot first.";
     return "";
   }
 
@@ -114,7 +115,7 @@ class CalibratePage {
         return await post("/api/calibration", { calibration });
       } catch (refused) {
         if (refused.code !== "going") throw refused;
-        const anew = await this.sheet.ask("Another one goes on", h("p", {}, `${refused.message}.`), [["Begin anew", true, "main"], ["Cancel", false]]);
+        const anew = await this.sheet.ask("Another calibration is in progress", h("p", {}, `${refused.message}.`), [["Begin anew", true, "main"], ["Cancel", false]]);
         return anew ? post("/api/calibration", { calibration, anew }) : get("/api/calibration");
       }
     });
@@ -131,11 +132,11 @@ class CalibratePage {
   }
 
   async forget() {
-    const sure = !this.told.touches.length || (await this.sheet.ask("Forget the calibration?", h("p", {}, "Its touches are lost. Files aren't changed."), [["Forget", true, "main"], ["Keep", false]]));
+    const sure = !this.told.touches.length || (await this.sheet.ask("Forget the calibration?", h("p", {}, "Its touches will be lost. Files don't change."), [["Forget", true, "main"], ["Keep", false]]));
     if (sure) this.change(() => remove("/api/calibration"));
   }
 
-  // One tap away, and one tap back.
+  // Open the page Jog, with a link back to this page.
   jog() {
     this.app.back = { href: "#/setup/calibrate", label: "Back to Calibrate" };
     location.hash = "#/jog";

@@ -1,4 +1,4 @@
-// What a tool weighs: mass and centre, what they do to the torques of the joints, and robot.toml with them.
+// The payload of a tool: its mass and center of mass, their effect on the joint torques, and the entry in robot.toml.
 
 import { get, order, post } from "/api.js";
 import { button, h, mark, put, text } from "/dom.js";
@@ -9,7 +9,7 @@ import { drawTorques } from "/setup/torques.js";
 const AXES = ["X", "Y", "Z"];
 const MOMENTS = ["Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz"];
 
-// The section, `take` for what the server says of the tools, and `close`.
+// Return the section for payloads, the function `take` for the server's message about tools, and `close`.
 export function payloads(app) {
   const may = app.may("programmer");
   const names = h("div", { class: "tool-names" });
@@ -27,7 +27,7 @@ export function payloads(app) {
     key = now;
     told = tools;
     restart.hidden = !tools.restart;
-    text(restart, tools.restart ? `${tools.file} says something else than what runs: it holds when the pendant is started anew (System > Controller).` : "");
+    text(restart, tools.restart ? `${tools.file} has changed since the pendant was started: it takes effect after a restart (System > Controller).` : "");
     text(notes, wordsOf(tools, may));
     draw();
   }
@@ -63,7 +63,7 @@ export function payloads(app) {
       if (!made) return;
       dialog.close();
       put(shown);
-      app.notice(`${made.file} is written; what it was is kept in Files > Deleted. It holds when the pendant is started anew (System > Controller).`);
+      app.notice(`${made.file} was written; the previous file is kept in Files > Deleted. It takes effect after a restart (System > Controller).`);
       await get("/api/tools").then(take, () => {});
     }, { class: "main", disabled: Boolean(found.why_not) || !found.sound || found.before === found.after });
     const said = found.why_not || (found.before === found.after ? "Nothing would change." : "");
@@ -75,19 +75,19 @@ export function payloads(app) {
   return { element, take, close: () => {} };
 }
 
-// What isn't known of the robot's masses, and what to add.
+// Return sentences about unknown masses and torques of the robot, with remedies.
 function wordsOf(tools, may) {
   const words = [];
-  if (!tools.tools.length) words.push("robot.toml has no tool: what hangs on the flange weighs nothing so far.");
-  if (tools.without_mass.length) words.push(`What ${tools.without_mass.join(", ")} ${tools.without_mass.length > 1 ? "move" : "moves"} has no mass: add <inertial> to the links of the URDF. Until then torques are those of the tool alone.`);
-  if (tools.without_effort.length) words.push(`The largest torque of ${tools.without_effort.join(", ")} isn't known: add effort to [joints.NAME] of robot.toml.`);
+  if (!tools.tools.length) words.push("robot.toml has no tool: so far the load on the flange is taken as 0 kg.");
+  if (tools.without_mass.length) words.push(`What ${tools.without_mass.join(", ")} ${tools.without_mass.length > 1 ? "move" : "moves"} has no mass: add <inertial> to the links of the URDF. Until then only the torques due to the tool are known.`);
+  if (tools.without_effort.length) words.push(`The largest torque of ${tools.without_effort.join(", ")} is unknown: add effort to [joints.NAME] of robot.toml.`);
   if (!tools.checked) words.push("Programs aren't checked for torques.");
   if (tools.why_not) words.push(`${tools.why_not}.`);
-  if (!may) words.push("Trying out a payload needs the role programmer, writing it the role service.");
+  if (!may) words.push("Trying a payload needs the role programmer; writing it needs the role service.");
   return words.join(" ");
 }
 
-// The fields of a payload.
+// The form for a payload.
 class Form {
   constructor(app, look) {
     this.app = app;
@@ -101,20 +101,20 @@ class Form {
     this.inertia = MOMENTS.map((name) => number(name.toLowerCase(), `${name}, kg m^2`));
     this.programs = h("select", { name: "program" }, h("option", { value: "" }, "none"));
     this.moments = h("div", { class: "fields three" }, this.inertia.map((input, at) => h("label", {}, `${MOMENTS[at]} kg m²`, input)));
-    this.assumed = h("p", { class: "said" }, "Without moments of inertia, all of the mass is taken to be at its centre: what holds still is exact, quick turns of the wrist need more.");
+    this.assumed = h("p", { class: "said" }, "Without moments of inertia the mass is treated as a point: torques at rest are exact, but quick turns of the wrist need more.");
     this.fresh = h("div", { class: "fields two" }, h("label", {}, "Name", this.name), h("label", {}, "Sits in", this.frame));
     this.element = h("form", { class: "payload-form", hidden: true, onsubmit: (event) => { event.preventDefault(); look(); } },
       this.title = h("h2", {}), this.fresh,
       h("div", { class: "fields four" }, h("label", {}, "Mass kg", this.mass), this.center.map((input, at) => h("label", {}, `Centre ${AXES[at]} mm`, input))),
       h("label", { class: "check" }, this.known, "The moments of inertia are known"), this.moments, this.assumed,
-      h("label", { class: "select" }, "Program to look at", this.programs),
-      h("div", { class: "actions" }, h("button", { type: "submit", class: "main" }, "What it does to torques")));
+      h("label", { class: "select" }, "Program for the torques", this.programs),
+      h("div", { class: "actions" }, h("button", { type: "submit", class: "main" }, "Effect on the torques")));
   }
 
   open(tool, frames) {
     this.tool = tool;
     this.element.hidden = !this.app.may("programmer");
-    text(this.title, tool ? `${tool.name}, seen from {${tool.frame}}${tool.mounted ? "" : ": not mounted, so that it weighs nothing"}` : "Another tool");
+    text(this.title, tool ? `${tool.name}, seen from {${tool.frame}}${tool.mounted ? "" : ": not mounted, so its mass doesn't count"}` : "Another tool");
     this.fresh.hidden = Boolean(tool);
     put(this.frame, frames.map((name) => h("option", { value: name }, `{${name}}`)));
     this.frame.value = frames.includes("TCP") ? "TCP" : frames[0];
@@ -138,7 +138,7 @@ class Form {
     this.programs.value = before;
   }
 
-  // What was entered, or null and a word about what is missing.
+  // Return the entered payload; null, with a message, if a value is missing.
   payload() {
     const values = (inputs) => inputs.map((input) => (input.value.trim() === "" ? NaN : Number(input.value)));
     const [mass] = values([this.mass]);
@@ -159,7 +159,7 @@ class Form {
     return { tool: name, frame: this.tool ? null : this.frame.value, mass, center_mm: center, inertia };
   }
 
-  // The number of the program that is looked at; null: none is.
+  // Load the chosen program and return its number; null: none is chosen, or it can't be proved.
   async program() {
     if (!this.programs.value) return null;
     const told = await order("load", { file: this.programs.value });

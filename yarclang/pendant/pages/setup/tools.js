@@ -1,4 +1,5 @@
-// Tools and frames: what there is and where it is described, the choice for jogging and display, and what tools weigh.
+// The page of tools and frames: their poses and the files that declare them, the choice of frames for jogging and
+// display, and payloads.
 
 import { get } from "/api.js";
 import { button, h, mark, put, text } from "/dom.js";
@@ -6,7 +7,7 @@ import { choose, chosen, frameSelect, renew } from "/frames.js";
 import { inverse, matrix, numbers, times } from "/poses.js";
 import { payloads } from "/setup/payload.js";
 
-const EACH = 4000; // frames of the session may be other ones [ms]
+const EACH = 4000; // time between two requests [ms]: the session's frames may change
 const NAMES = ["X", "Y", "Z", "Roll", "Pitch", "Yaw"];
 const ORIGINS = { urdf: "the robot's URDF", "robot.toml": "robot.toml", "cell.toml": "cell.toml", session: "session or program" };
 
@@ -65,7 +66,7 @@ export function toolsPage(place, app) {
     put(list, rows.map(({ element }) => h("li", {}, element)));
   }
 
-  // base_from_frame; null as long as nobody knows where the robot stands.
+  // Return base_from_frame; null while the robot's position is unknown.
   function placed(frame) {
     if (!frame.on_flange) return frame.pose;
     const flange = app.robot.display?.flange;
@@ -76,7 +77,7 @@ export function toolsPage(place, app) {
     const reference = frames.find(({ name }) => name === from.value);
     const base = reference && placed(reference);
     for (const { frame, which, used, element, values } of rows) {
-      // two frames on the flange are seen from each other wherever the robot stands
+      // the pose of one flange frame in another doesn't depend on the robot's position
       const both = reference?.on_flange && frame.on_flange;
       const at = both ? times(inverse(reference.pose), frame.pose) : base && placed(frame) && times(inverse(base), placed(frame));
       const shown = at ? numbers(at) : null;
@@ -90,7 +91,7 @@ export function toolsPage(place, app) {
     const flange = app.robot.display?.flange;
     if (!moving || !axes) return;
     const tool = flange && numbers(times(inverse(axes.pose), times(matrix(flange), moving.pose)));
-    text(pose, tool ? `${moving.name} is at ${tool.map((value, number) => `${NAMES[number]} ${clean(value)}`).join(", ")} (mm, deg) of ${axes.name}.` : "Where the robot stands isn't known yet.");
+    text(pose, tool ? `${moving.name} is at ${tool.map((value, number) => `${NAMES[number]} ${clean(value)}`).join(", ")} (mm, deg) of ${axes.name}.` : "The robot's position isn't known yet.");
   }
 
   app.robot.addEventListener("display", refresh, { signal });

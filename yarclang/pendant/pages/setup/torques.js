@@ -1,14 +1,14 @@
-// Torques of the joints as bars, without and with a payload, against what their motors give.
+// Joint torques as bars, without and with a payload, relative to the largest torques of the motors.
 
 import { button, h, put } from "/dom.js";
 
 const WORDS = {
-  here: ["Here", "At rest, where the robot stands now."],
-  reach: ["Worst pose", "At rest, the largest within the joint limits, whether the robot can get there or not."],
-  program: ["Program", "The largest while the program moves, on all of its ways."],
+  here: ["Here", "At rest, at the robot's position."],
+  reach: ["Worst pose", "At rest, the largest within the joint limits, even if the robot can't reach that position."],
+  program: ["Program", "The largest during the program, on all of its branches."],
 };
 
-// Draw what the server has told of a payload; `write` shows the change of the file.
+// Show the server's message about a payload. `write` opens the change of the file.
 export function drawTorques(place, told, write, mayWrite) {
   const bars = h("div", { class: "torque-bars" });
   const kinds = told.torques.map(({ what }) => what);
@@ -18,7 +18,7 @@ export function drawTorques(place, told, write, mayWrite) {
   function draw() {
     for (const tab of tabs) tab.setAttribute("aria-pressed", String(tab.dataset.what === kind));
     const one = told.torques.find(({ what }) => what === kind);
-    put(bars, one ? content(told.joints, one) : h("p", {}, `Torques aren't known: ${told.unknown}.`));
+    put(bars, one ? content(told.joints, one) : h("p", {}, `The torques are unknown: ${told.unknown}.`));
   }
 
   const errors = told.findings.filter(({ severity }) => severity === "error" || severity === "warning");
@@ -26,7 +26,7 @@ export function drawTorques(place, told, write, mayWrite) {
     errors.length > 0 && h("ul", { class: "findings" }, errors.map((one) => h("li", { class: one.severity }, one.message, one.help && h("div", { class: "help" }, one.help)))),
     h("div", { class: "actions torque-kinds" }, tabs),
     bars,
-    h("div", { class: "actions" }, button("Look at the change of robot.toml", write, { class: "main", disabled: !told.sound })),
+    h("div", { class: "actions" }, button("Show the change of robot.toml", write, { class: "main", disabled: !told.sound })),
     !mayWrite && h("p", { class: "said" }, "Writing it needs the role service."));
   draw();
 }
@@ -38,9 +38,9 @@ function content(joints, one) {
   const where = one.where[worst] ? ` in ${one.where[worst]}` : "";
   const pose = one.at[worst].map((value) => value.toFixed(1)).join(", ");
   return [
-    h("p", { class: "said" }, WORDS[one.what][1], " The upper bar is now, the lower one with the payload; parts in a gripper don't count."),
+    h("p", { class: "said" }, WORDS[one.what][1], " Upper bar: now; lower bar: with the payload. Parts in a gripper aren't included."),
     ...joints.map((joint, at) => row(joint, one.now[at], one.then[at], joint.effort ?? most)),
-    used[worst] > 0 && h("p", { class: used[worst] > 1 ? "bad" : "said" }, `${joints[worst].name} uses the most of its limit, ${percent(used[worst])}${where}, with the joints at ${pose}.${used[worst] > 1 ? " Its motor can't do this." : ""}`),
+    used[worst] > 0 && h("p", { class: used[worst] > 1 ? "bad" : "said" }, `${joints[worst].name} uses the most of its limit, ${percent(used[worst])}${where}, with the joints at ${pose}.${used[worst] > 1 ? " This exceeds the limit of its motor." : ""}`),
   ];
 }
 
@@ -53,7 +53,7 @@ function row(joint, now, then, full) {
     h("output", {}, `${shown(now)} → ${shown(then)} ${joint.unit}`), h("span", { class: "soft" }, limit));
 }
 
-// A meter draws itself: the pages have no styles of their own making.
+// Use a progress element, which draws itself: the security policy forbids inline styles.
 function bar(kind, value, full) {
   return h("progress", { class: kind, max: 1, value: String(Math.min(1, Math.abs(value) / full)) });
 }

@@ -1,4 +1,5 @@
-// Workspace: zones, obstacles and joint limits, in numbers and in the picture; drafts, distances, and what they break.
+// The page Workspace: zones, obstacles and joint limits as numbers and in the scene, drafts of changes, distances, and
+// the programs that a draft breaks.
 
 import { get, post } from "/api.js";
 import { button, h, mark, put, text } from "/dom.js";
@@ -60,7 +61,7 @@ class Workspace {
     this.picture.scene.element.addEventListener("drawn", () => this.drawn());
   }
 
-  // The picture has its bodies: ghosts can be drawn beside them.
+  // The scene has been drawn: bodies of the draft can be added to it.
   drawn() {
     const { scene } = this.picture;
     if (scene.failed || this.closed) return;
@@ -128,7 +129,7 @@ class Workspace {
     }
   }
 
-  // Draw what the draft says now.
+  // Show the present draft.
   refresh() {
     const { told, size } = this.draft;
     if (!told || this.closed) return;
@@ -154,7 +155,7 @@ class Workspace {
     this.bar.hidden = !this.may;
   }
 
-  // Rows that say the same stay: a drag changes one of them many times.
+  // Reuse rows that haven't changed: a drag changes one row many times.
   drawList() {
     const before = this.rows ?? new Map();
     this.rows = new Map(this.draft.items.slice(0, MOST_SHOWN).map((one) => {
@@ -200,6 +201,6 @@ export function workspacePage(place, app) {
   const page = new Workspace(place, app);
   app.whenBack(() => page.draft.told || page.load());
   const leave = () => page.close();
-  leave.asks = () => page.draft.size === 0 || page.sheet.ask("Leave with changes that aren't saved?", "They are lost then.", [["Leave", true], ["Stay", false, "main"]]);
+  leave.asks = () => page.draft.size === 0 || page.sheet.ask("Leave without saving the changes?", "The changes will be lost.", [["Leave", true], ["Stay", false, "main"]]);
   return leave;
 }

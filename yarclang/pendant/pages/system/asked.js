@@ -1,8 +1,8 @@
-// A question over the page, not modal: STOP stays within reach.
+// A question over the page. It isn't modal, so the STOP button stays usable.
 
 import { button, h } from "/dom.js";
 
-// True if the person wants it.
+// Ask a question. Return true if the user agrees.
 export function asked(place, title, content, yes) {
   return new Promise((done) => {
     const no = button("Cancel", () => dialog.close());

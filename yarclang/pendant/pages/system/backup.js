@@ -1,4 +1,5 @@
-// Backup: a zip of the project to be saved; one that is uploaded is judged, compared, restored, and can be undone.
+// The page Backup: download of the project as a zip; upload of a backup, with its check, its comparison with the
+// project, its restore, and undoing the restore.
 
 import { get, post } from "/api.js";
 import { button, h, put } from "/dom.js";
@@ -28,7 +29,7 @@ class BackupPage {
       h("div", { class: "backup-page" },
         h("section", {}, h("h2", {}, "Back up"), this.saving),
         h("section", {}, h("h2", {}, "Restore"),
-          h("p", { class: "soft" }, "A zip is looked through first, and nothing changes until you say so."),
+          h("p", { class: "soft" }, "A zip is checked first; nothing changes before you confirm."),
           this.file, h("div", { class: "actions" }, this.choose), this.waiting, this.undoing)));
   }
 
@@ -36,9 +37,9 @@ class BackupPage {
     this.save.setAttribute("href", this.logs.checked ? "/api/backup?logs=1" : "/api/backup");
   }
 
-  // What a backup would have, and which restores can be undone.
+  // Show what a backup would contain, and which restores can be undone.
   async look(first = false) {
-    put(this.saving, h("p", {}, "Looking at the project."));
+    put(this.saving, h("p", {}, "Reading the project."));
     const told = await this.app.tried(() => get("/api/backup/about"));
     if (!told || this.left) return;
     if (first && told.waits) this.ask();
@@ -46,19 +47,19 @@ class BackupPage {
     put(this.saving,
       told.trouble ? h("p", { class: "bad" }, told.trouble) : [h("p", {}, `${count(told.files, "file")} of ${told.robot}'s project, ${sized(told.size)}.`), logs, h("div", { class: "actions" }, this.save)],
       told.notes.map((one) => h("p", { class: "soft" }, `${one}.`)),
-      told.left_out.length ? h("details", {}, h("summary", {}, `${count(told.left_out.length, "file")} can't be in a backup`),
+      told.left_out.length ? h("details", {}, h("summary", {}, `${count(told.left_out.length, "file")} can't be backed up`),
         h("ul", {}, told.left_out.map(({ file, why }) => h("li", {}, h("span", { class: "filename" }, file), `: ${why}`)))) : null);
     put(this.undoing, told.undo.length ? h("h2", {}, "Undo a restore") : null,
       told.undo.slice(0, 5).map((one) => h("div", { class: "undo" }, h("span", {}, `${when(one.made)}, ${one.user}, ${sized(one.size)}`),
         button("Undo", () => this.undo(one.number)))));
   }
 
-  // What a backup of this session that waits would change now.
+  // Show the changes that this session's uploaded backup would make now.
   async ask() {
     try {
       this.show(await get("/api/backup/plan"));
     } catch {
-      // it has gone meanwhile
+      // the upload no longer exists
     }
   }
 
@@ -87,7 +88,7 @@ class BackupPage {
     try {
       told = JSON.parse(request.responseText);
     } catch {
-      // it is no answer of the API
+      // the response isn't JSON of this API
     }
     if (request.status === 401) document.dispatchEvent(new CustomEvent("loggedout", { detail: told }));
     if (request.status === 200) this.show(told);
@@ -111,14 +112,15 @@ class BackupPage {
     this.waiting.scrollIntoView({ block: "nearest" });
   }
 
-  // `done`: what was restored; "again": the project has changed, and is compared anew; null: it was put away.
+  // `done` is the result of the restore; "again": the project has changed, so the comparison is repeated; null: the
+  // restore was cancelled.
   ended(done) {
     if (this.left) return;
     put(this.waiting);
     if (done === "again") this.ask();
     else if (done) {
       put(this.waiting, h("p", { class: "restored", role: "status" }, said(done)),
-        done.restart.length ? h("p", { class: "warn" }, `${done.restart.join(", ")}: this counts after a restart. `, h("a", { href: "#/system/controller", class: "press" }, "Controller")) : null);
+        done.restart.length ? h("p", { class: "warn" }, `${done.restart.join(", ")}: this takes effect after a restart. `, h("a", { href: "#/system/controller", class: "press" }, "Controller")) : null);
     }
     this.look();
   }
@@ -130,6 +132,6 @@ class BackupPage {
 }
 
 function said(done) {
-  if (!done.undo) return "Nothing had to be changed.";
-  return `Restored: ${count(done.written, "file")}; deleted: ${done.removed}. What was replaced is kept for 30 days, here and on the page Files.`;
+  if (!done.undo) return "No changes were needed.";
+  return `Restored: ${count(done.written, "file")}; deleted: ${done.removed}. The replaced files are kept for 30 days, here and on the page Files.`;
 }

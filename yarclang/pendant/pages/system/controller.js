@@ -1,4 +1,5 @@
-// Controller: what keeps the robot from moving, and what gets it ready: enable, home, settings; restart and shut down.
+// The page Controller: what prevents the robot from moving, and the remedies (enable, home, settings); restart and
+// shutdown.
 
 import { order } from "/api.js";
 import { h, put } from "/dom.js";

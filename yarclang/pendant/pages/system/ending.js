@@ -1,4 +1,4 @@
-// The pendant's process: files that wait for a restart, restart, shut down.
+// The pendant's process: files that need a restart, restart and shutdown.
 
 import { get, post } from "/api.js";
 import { button, h, put } from "/dom.js";
@@ -23,20 +23,20 @@ export function ending(place, app) {
       return;
     }
     put(told,
-      h("p", {}, shown.served ? `yarc serve owns ${shown.robot} and goes on: only the pendant is restarted.` : `This process owns ${shown.robot}: the robot comes to rest before it ends.`),
+      h("p", {}, shown.served ? `yarc serve owns ${shown.robot} and keeps running: only the pendant is restarted.` : `This process owns ${shown.robot}: the robot comes to rest before it ends.`),
       shown.waiting.length
         ? h("ul", { class: "waiting" }, shown.waiting.map(({ file, what }) => h("li", {}, h("strong", {}, file), `: ${what}.`)))
-        : h("p", { class: "soft" }, "No changed file waits for a restart."));
+        : h("p", { class: "soft" }, "No changed file needs a restart."));
   }
 
   async function end(how) {
     const restarts = how === "restart";
-    const what = h("p", {}, restarts ? "Pages find it again by themselves; nobody has to log in again." : "Pages find nothing here until somebody starts it again at its computer.");
-    if (!(await asked(place, restarts ? "Restart the pendant?" : "Shut the pendant down?", what, restarts ? "Restart" : "Shut down"))) return;
-    if (await ended(how, false)) app.notice(restarts ? "The pendant restarts." : "The pendant is shut down.");
+    const what = h("p", {}, restarts ? "Pages reconnect automatically; nobody has to log in again." : "The pages can't be opened until the pendant is started again on its computer.");
+    if (!(await asked(place, restarts ? "Restart the pendant?" : "Shut down the pendant?", what, restarts ? "Restart" : "Shut down"))) return;
+    if (await ended(how, false)) app.notice(restarts ? "The pendant restarts." : "The pendant was shut down.");
   }
 
-  // What is under way is stopped only if the person wants that.
+  // Request the end of the process. If the robot is moving, ask the user first whether to stop it.
   async function ended(how, stop) {
     let under = "";
     const done = await serviced(app, async () => {
@@ -50,7 +50,7 @@ export function ending(place, app) {
     });
     if (!under) return done;
     const what = h("p", {}, `${under}. It is stopped on its path first.`);
-    return (await asked(place, "Stop it?", what, "Stop it, and go on")) ? ended(how, true) : null;
+    return (await asked(place, "Stop it?", what, "Stop it, then continue")) ? ended(how, true) : null;
   }
 
   return look;

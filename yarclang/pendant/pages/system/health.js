@@ -1,4 +1,5 @@
-// Health: disk, memory, processors, link and records with their thresholds and the last hour, and versions for a report of a bug.
+// The page Health: disk, memory, processors, connection and stored data with their thresholds and the last hour, and
+// versions for bug reports.
 
 import { get } from "/api.js";
 import { button, h, mark, put, text } from "/dom.js";
@@ -13,10 +14,10 @@ export function healthPage(place, app) {
   const groups = h("div", { class: "health-groups" });
   const running = h("p", { class: "soft running" });
   const versions = h("dl", { class: "versions" });
-  const written = h("textarea", { class: "report", readonly: true, rows: 8, "aria-label": "Text for a report of a bug", hidden: true });
+  const written = h("textarea", { class: "report", readonly: true, rows: 8, "aria-label": "Text for a bug report", hidden: true });
   put(place, h("h1", { class: "hidden" }, "Health"), running, groups,
     h("section", {}, h("h2", {}, "Versions"), versions,
-      h("div", { class: "actions" }, button("Copy as text", () => copy()), h("span", { class: "soft" }, "No names of people, computers or folders are in it.")), written));
+      h("div", { class: "actions" }, button("Copy as text", () => copy()), h("span", { class: "soft" }, "It contains no names of people, computers or folders.")), written));
   let rows = [];
   let report = "";
   let left = false;
@@ -47,7 +48,7 @@ export function healthPage(place, app) {
       await navigator.clipboard.writeText(report);
       app.notice("Versions and health were copied.");
     } catch {
-      written.hidden = false; // a browser without a clipboard: it is selected to be copied by hand
+      written.hidden = false; // without access to the clipboard, the user copies the selected text
       written.value = report;
       written.focus();
       written.select();
@@ -62,7 +63,7 @@ export function healthPage(place, app) {
   };
 }
 
-// One thing that is watched; it is opened to read why it matters.
+// A row for one monitored number. Opened, it shows why the number matters.
 function row(one) {
   const level = h("span", { class: "level" });
   const value = h("span", { class: "value" });

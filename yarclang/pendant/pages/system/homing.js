@@ -1,4 +1,5 @@
-// Home: the controller's own search, of motors one after the other, as long as a button is held. Nothing of it is proved.
+// Homing: the controller's own home search, for one motor after the other, while a button is held. The search isn't
+// proved.
 
 import { order } from "/api.js";
 import { button, h, put, text } from "/dom.js";
@@ -19,7 +20,7 @@ export function homing(place, app) {
   put(place,
     h("h2", {}, "Home"),
     h("div", { class: "not-proved", role: "note" },
-      "Not proved. The controller searches by itself: no zone, no obstacle and no joint limit is watched. See that the whole way is free, and keep a hand at the emergency stop.", fast),
+      "Not proved. The controller searches by itself, without checking zones, obstacles or joint limits. Make sure that the whole path is free, and keep a hand at the emergency stop.", fast),
     h("div", { class: "actions" }, button("Ask the controller", () => ask(), { disabled: !app.may("operator") })),
     list, h("div", { class: "actions" }, hold), why);
 
@@ -52,7 +53,7 @@ export function homing(place, app) {
     const hindered = hindrance(app, chosen);
     hold.disabled = hindered !== "";
     text(hold, chosen.length ? `Hold to home ${chosen.map(({ motor }) => `#${motor}`).join(", ")}` : "Hold to home");
-    text(why, told || hindered || "Hold the button: the motors search as long as you do.");
+    text(why, told || hindered || "Hold the button: the motors search until you release it.");
   }
 
   const hear = async ({ detail }) => {
@@ -76,7 +77,7 @@ export function homing(place, app) {
 
 const speed = (one) => `${Math.abs(one.speed).toPrecision(3)} ${one.unit}/s towards ${one.speed < 0 ? "minus" : "plus"}`;
 
-// Why nothing can be homed now; empty if it can.
+// Return the reason why no motor can be homed now; empty: one can.
 function hindrance(app, chosen) {
   if (!app.may("service")) return "Homing needs the role service and the PIN.";
   if (!app.controls) return "Take control of the robot first.";
@@ -87,5 +88,5 @@ function hindrance(app, chosen) {
 function said({ state, why, help }, moving) {
   if (state === "reached") return "Homed.";
   if (why) return help ? `${why}: ${help}` : why;
-  return moving ? "Searching. Let go to stop." : "Stopped.";
+  return moving ? "Searching. Release the button to stop." : "Stopped.";
 }

@@ -1,8 +1,8 @@
-// What the pages of System share: their style, and numbers in words.
+// Styles and number texts that the pages of System share.
 
 import { h } from "/dom.js";
 
-// The rules of a page, once.
+// Load the style sheet of a page, unless it is loaded already.
 export function styled(name) {
   const href = `/system/${name}.css`;
   if (document.querySelector(`link[href='${href}']`)) return;

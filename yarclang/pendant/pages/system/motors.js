@@ -1,10 +1,10 @@
-// The motors in a table: loop, home, following error, what keeps each from moving, and what can be done about it.
+// A table of the motors: loop, home, following error, the reason why a motor can't move, and the remedy.
 
 import { h, mark, put, text } from "/dom.js";
 
 const HEADS = ["Motor", "Loop", "Homed", "Following error", "Trouble"];
 
-// Make the table in a place; return what shows the motors as they are told. `remedies` adds what can be done.
+// Create the table. Return a function that shows the states of the motors. `remedies` adds a column with remedies.
 export function motorTable(place, remedies = false) {
   let rows = [];
   return (motors) => {
@@ -31,8 +31,8 @@ export function motorTable(place, remedies = false) {
 
 function remedy(motor) {
   const has = (flag) => motor.flags.includes(flag);
-  if (has("amplifier fault")) return "Look at its drive; reset it there, then enable.";
-  if (has("fatal following error")) return "Find out what held it up, then enable.";
+  if (has("amplifier fault")) return "Check its drive; reset it there, then enable the motor.";
+  if (has("fatal following error")) return "Find out what blocked it, then enable the motor.";
   if (has("stopped on limit")) return "Jog it off the limit.";
   if (!has("activated")) return "Activate it on the controller (Ixx00).";
   if (!motor.closed_loop) return "Enable.";

@@ -1,4 +1,4 @@
-// What a backup would change, with the choice of what happens to files that it doesn't have.
+// The changes that a backup's restore would make, with a choice for files that the backup doesn't contain.
 
 import { call, post } from "/api.js";
 import { button, h, put } from "/dom.js";
@@ -10,7 +10,7 @@ const WORDS = { conflict: "can't be restored", changed: "changed", extra: "not i
 const MARKS = { conflict: "deleted", changed: "changed", extra: "deleted", new: "new" };
 const FIRST = 60;
 
-// Return the element; `done` is called with what was restored, "again", or null.
+// Return the element. `done` is called with the result of the restore, "again", or null.
 export function planned(app, plan, done) {
   const remove = h("input", { type: "checkbox", checked: plan.undoes });
   const nothing = plan.new + plan.changed + plan.extra === 0;
@@ -51,12 +51,12 @@ export function planned(app, plan, done) {
   rows(FIRST);
   const from = [plan.robot, when(plan.made)].filter(Boolean).join(", ");
   return h("div", { class: "plan" },
-    h("h2", {}, plan.undoes ? "What undoing would change" : `What this backup would change${from ? ` (${from})` : ""}`),
+    h("h2", {}, plan.undoes ? "Changes by undoing" : `What this backup would change${from ? ` (${from})` : ""}`),
     plan.notes.map((one) => h("p", { class: "warn" }, `${one}.`)),
-    h("p", {}, `${plan.new} new, ${plan.changed} changed, ${plan.same} as they are, ${plan.extra} not in the backup.`),
-    plan.conflicts ? h("p", { class: "bad" }, `${plan.conflicts} can't be restored: rename or delete what is in their way, and upload it again.`) : null,
+    h("p", {}, `${plan.new} new, ${plan.changed} changed, ${plan.same} unchanged, ${plan.extra} not in the backup.`),
+    plan.conflicts ? h("p", { class: "bad" }, `${plan.conflicts} can't be restored: rename or delete the files in their way, and upload the backup again.`) : null,
     nothing && !plan.conflicts ? h("p", {}, "Nothing would change.") : list,
     plan.extra ? h("label", { class: "switch" }, remove, `delete ${count(plan.extra, "file")} that ${plan.undoes ? "the restore has made" : "the backup doesn't have"}`) : null,
-    plan.restart.length ? h("p", { class: "warn" }, `${plan.restart.join(", ")} will count after a restart (System > Controller).`) : null,
+    plan.restart.length ? h("p", { class: "warn" }, `${plan.restart.join(", ")} will take effect after a restart (System > Controller).`) : null,
     h("div", { class: "actions" }, go, button("Put it away", away)));
 }

@@ -1,10 +1,12 @@
-// Whether the robot is ready, why not, and what makes it so: connect, enable, clear; and disable.
+// The robot's readiness: the reason why it can't move, and the buttons that remedy this: connect, enable, clear. Also a
+// button to disable the motors.
 
 import { order } from "/api.js";
 import { button, h, mark, put, text } from "/dom.js";
 import { asked } from "/system/asked.js";
 
-// Show it in a place; `compare` is called when more keeps the robot from moving. Returns what shows health, and what the display tells.
+// Show the readiness in a place. `compare` is called after enabling, if further checks prevent motion. Return the
+// functions `refresh` (for the display) and `hear` (for the health).
 export function readiness(place, app, compare) {
   const ready = h("p", { class: "ready", role: "status" });
   const hindered = h("p", { class: "soft" });
@@ -26,12 +28,12 @@ export function readiness(place, app, compare) {
     const told = await app.tried(() => order("enable"));
     if (!told) return;
     if (told.what) app.notice(told.what, true);
-    else app.notice(told.wrong.length ? `All loops are closed; ${told.wrong.length} more things keep the robot from moving.` : "All loops are closed: the robot is ready.");
+    else app.notice(told.wrong.length ? `All loops are closed; ${told.wrong.length} more checks prevent motion.` : "All loops are closed: the robot is ready.");
     if (told.wrong.length) compare();
   }
 
   async function disable() {
-    const what = h("p", {}, "All loops are opened. Then the machine's brakes hold the arm, or nothing does: an axis without a brake falls.");
+    const what = h("p", {}, "All loops are opened. Then only the machine's brakes hold the arm: an axis without a brake falls.");
     if (!(await asked(place, "Disable the motors?", what, "Disable"))) return;
     const told = await app.tried(() => order("disable"));
     if (told?.what) app.notice(told.what, true);
@@ -63,9 +65,9 @@ export function readiness(place, app, compare) {
   return { refresh, hear };
 }
 
-// What keeps the robot from moving; empty if nothing does.
+// Return the reason why the robot can't move; empty: there is none.
 function hindrance(display, link) {
   if (!display.connected) return "the coordinator of the robot can't be reached";
   if (link) return `there is no connection to the controller: ${link}`;
-  return ["fault", "disconnected"].includes(display.mode) ? display.why || "it wasn't looked at yet" : "";
+  return ["fault", "disconnected"].includes(display.mode) ? display.why || "it wasn't checked yet" : "";
 }

@@ -1,4 +1,5 @@
-// Settings: what the controller has against what the robot needs; sent with a PIN, saved after a second question.
+// The controller's settings, compared with those that the robot needs. They are sent after entering the PIN, and saved
+// after another question.
 
 import { order } from "/api.js";
 import { button, h, put } from "/dom.js";
@@ -18,7 +19,7 @@ export function settings(place, app) {
     if (!told) return put(shown);
     const wrong = told.things.filter(({ verdict }) => verdict !== "ok");
     put(shown,
-      h("p", {}, wrong.length ? `${wrong.length} of ${told.things.length} things aren't as they must be.` : `All ${told.things.length} checks passed.`),
+      h("p", {}, wrong.length ? `${wrong.length} of ${told.things.length} checks failed.` : `All ${told.things.length} checks passed.`),
       wrong.length ? differences(wrong) : null,
       app.may("service") ? actions(told) : h("p", { class: "soft" }, "Sending settings needs the role service and the PIN."));
   }
@@ -44,12 +45,12 @@ export function settings(place, app) {
     const sent = await serviced(app, () => order("send-settings", { known: told.sha256 }));
     if (!sent) return;
     await compare();
-    if (sent.what) app.notice(`${sent.sent} of ${sent.of} lines were taken: ${sent.what}: ${sent.help}`, true);
-    else app.notice(`The controller has taken all ${sent.of} lines. They are lost at power-off until they are saved.`);
+    if (sent.what) app.notice(`${sent.sent} of ${sent.of} lines were accepted: ${sent.what}: ${sent.help}`, true);
+    else app.notice(`The controller has accepted all ${sent.of} lines. They are lost at power-off unless they are saved.`);
   }
 
   async function save() {
-    const what = h("p", {}, "SAVE keeps all that the controller has now, beyond power-off, in the place of what it has kept. It takes seconds.");
+    const what = h("p", {}, "SAVE stores all present settings of the controller permanently, and replaces the stored ones. It takes some seconds.");
     if (!(await asked(place, "Save in the controller?", what, "Save"))) return;
     if (await serviced(app, () => order("save-settings"))) app.notice("The controller has saved its settings.");
   }

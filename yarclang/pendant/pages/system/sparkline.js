@@ -1,9 +1,9 @@
-// A small line of what a number was in the last hour: a point a minute, from its least to its greatest.
+// A small plot of a number in the last hour: one point per minute, from the smallest to the largest value.
 
 const [WIDTH, HEIGHT, EDGE, MOST] = [120, 28, 2, 60];
 
 export function sparkline(name) {
-  // a parser of HTML knows what an svg is
+  // the HTML parser creates SVG elements in the right namespace
   const made = new DOMParser().parseFromString("<svg><polyline></polyline></svg>", "text/html");
   const element = document.adoptNode(made.querySelector("svg"));
   const line = element.firstChild;
@@ -25,7 +25,7 @@ export function sparkline(name) {
   return { element, show };
 }
 
-// The newest point is at the right; a number that doesn't change is a line in the middle.
+// Draw the newest point at the right edge. A constant number is a line in the middle.
 function drawn(values) {
   const [least, greatest] = [Math.min(...values), Math.max(...values)];
   const span = greatest - least || 1;

@@ -1,16 +1,16 @@
-// What is calibrated: a choice of three, with the names that each one needs.
+// The start of a calibration: choice of one of three kinds, and the names that each kind needs.
 
 import { button, h, put } from "/dom.js";
 import { picture } from "/setup/calibration/pictures.js";
 
 const KINDS = [
   ["tip", "Tool tip", "When a tool is new, was bent or changed: touch one fixed, pointed object four times, tilted to other sides."],
-  ["frame", "Frame", "When a table, fixture or workpiece stands elsewhere: touch its origin, a point on x, and a point of the plane."],
+  ["frame", "Frame", "When a table, fixture or workpiece was moved: touch its origin, a point on x, and a point of the plane."],
   ["home", "Joint offsets", "When a motor or encoder was changed: bring joints to their marks."],
 ];
 const SAMPLE = { tip: { kind: "tip", touches: [{}, {}] }, frame: { kind: "frame", touches: [{}, {}] }, home: { kind: "home", touches: [] } };
 
-// `begin` is called with what is wanted; `other` is shown above: a calibration of somebody else.
+// `begin` is called with the request. `other`, another user's calibration, is shown above the choice.
 export function beginning(app, begin, other) {
   const form = h("div", { class: "asked" });
   const cards = KINDS.map(([kind, title, when]) => {
@@ -45,7 +45,7 @@ const FORMS = {
     const own = (app.about?.moving ?? []).map((one) => one.name).filter((one) => one !== "{FLANGE}");
     const input = name("Name of the tool's frame");
     const known = h("div", { class: "known" }, own.map((one) => button(one, () => { input.value = one.replace(/[{}]/g, ""); })));
-    return asked(begin, () => ({ kind: "tip", name: input.value }), h("label", {}, "Frame of the tool, one of these or a new name", input), known);
+    return asked(begin, () => ({ kind: "tip", name: input.value }), h("label", {}, "Frame of the tool: choose one, or enter a new name", input), known);
   },
   frame: (app, begin) => {
     const input = name("Name of the frame");
@@ -60,7 +60,7 @@ const FORMS = {
       return { joint, on, value, element: h("div", { class: "mark-row" }, h("label", { class: "check" }, on, joint.name), value, h("span", { class: "soft" }, joint.unit)) };
     });
     const wanted = () => ({ kind: "home", marks: Object.fromEntries(rows.filter(({ on }) => on.checked).map(({ joint, value }) => [joint.name, Number(value.value)])) });
-    const form = asked(begin, wanted, h("p", { class: "hint" }, "Joints that are at a mark, and their positions there:"), h("div", { class: "marks" }, rows.map(({ element }) => element)));
+    const form = asked(begin, wanted, h("p", { class: "hint" }, "Joints at a mark, and their positions at the mark:"), h("div", { class: "marks" }, rows.map(({ element }) => element)));
     const ready = () => { form.querySelector(".main").disabled = !rows.some(({ on }) => on.checked); };
     form.addEventListener("change", ready);
     ready();

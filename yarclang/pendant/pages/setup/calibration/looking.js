@@ -1,4 +1,4 @@
-// "Go there and look": a way that is planned and proved, and goes only as long as a button is held.
+// "Go there and look": a planned and proved motion to a touched point, which runs only while a button is held.
 
 import { order, post } from "/api.js";
 import { button, h, put } from "/dom.js";
@@ -56,7 +56,7 @@ export class Looking {
     if (page.told?.version !== version || this.ending.signal.aborted) return;
     const { offer, look } = told ?? {};
     if (!offer) {
-      put(this.said, told ? "There is no proved way there." : "It couldn't be planned.");
+      put(this.said, told ? "No proved motion leads there." : "It couldn't be planned.");
       if (told) this.box.append(findings(told.findings));
       return;
     }
@@ -70,11 +70,11 @@ export class Looking {
   hear({ state, why, help }) {
     if (!this.button?.isConnected) return;
     const told = why ? `${why}${help ? `: ${help}` : ""}.` : "";
-    const rests = "It rests on its path: hold again to go on.";
-    put(this.said, { moves: "It goes.", reached: "It is there: look." }[state] ?? (told || rests));
+    const rests = "The robot is at rest on its path: hold the button again to continue.";
+    put(this.said, { moves: "It goes.", reached: "The robot is there: inspect the result." }[state] ?? (told || rests));
   }
 
-  // What rests on its way ends when its page changes.
+  // End a motion that rests on its path, because its page is closed or changes.
   leave() {
     if (this.button) this.app.holding.leave();
     this.button = null;

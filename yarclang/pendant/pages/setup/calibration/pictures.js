@@ -1,7 +1,9 @@
-// A picture of the next step, drawn of elements: the tool at the pointed object, the frame's points, a joint and its marks.
+// A picture of the next step, made of SVG elements: the tool at the pointed object, the points of the frame, or a joint
+// and its marks.
 
 const SVG = "http://www.w3.org/2000/svg";
-// Angles of the tool in the pictures of a tip's touches [deg], and how much it is foreshortened: tilted towards the person, or away.
+// For each touch of a tip, as drawn: angle of the tool [deg], and its length as a factor (below 1: tilted away from the
+// viewer; above 1: towards the viewer).
 const TILTS = [[0, 1], [32, 1], [-32, 1], [6, 0.68], [-6, 1.12], [44, 0.9], [-44, 0.9]];
 const AT = [[70, 150], [236, 118], [128, 62]];
 const NAMES = ["origin", "on x", "on the plane"];
@@ -41,7 +43,7 @@ function tip(told) {
   return [turns, ...parts];
 }
 
-// From the tilt before to the next one.
+// Return an arrow from one tilt to the next.
 function arc(from, to) {
   const place = (angle) => [150 + 116 * Math.sin((angle * Math.PI) / 180), 130 - 116 * Math.cos((angle * Math.PI) / 180)];
   const [x, y] = place(from);
@@ -55,7 +57,7 @@ function arc(from, to) {
 function frame(told) {
   const count = told.touches.length;
   const points = AT.map(([x, y], at) => [x, y, NAMES[at], at]);
-  // a further point of the plane
+  // a further point on the plane
   if (count >= AT.length) points.push([128, 98, "further", count]);
   const [ox, oy] = AT[0];
   return [

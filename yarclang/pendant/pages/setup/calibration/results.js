@@ -1,4 +1,5 @@
-// What follows from the touches: the result, how much the spread of the touches makes of an error, each touch with its residual.
+// The result of a calibration: its values, the error that follows from the spread of the touches, and each touch with
+// its residual.
 
 import { button, h } from "/dom.js";
 
@@ -11,9 +12,9 @@ export function resultOf(told) {
 
 export function spreadOf(told) {
   if (!told.spread.length && !told.advice) return null;
-  const touch = `${told.error_mm.toFixed(2)} mm${told.told ? ", as the touches themselves tell" : " (assumed)"}`;
-  const assumed = told.kind === "home" ? "95 of 100 calibrations are better than this." : `Errors of each touch: ${touch}. 95 of 100 calibrations are better than this.`;
-  return h("section", { class: "spread" }, h("h2", {}, "What the spread does"),
+  const touch = `${told.error_mm.toFixed(2)} mm${told.told ? " (estimated from the touches)" : " (assumed)"}`;
+  const assumed = told.kind === "home" ? "95 of 100 calibrations have a smaller error." : `Errors of each touch: ${touch}. 95 of 100 calibrations have a smaller error.`;
+  return h("section", { class: "spread" }, h("h2", {}, "Effect of the spread"),
     told.advice && h("p", { class: "why held-back" }, `${told.advice[0].toUpperCase()}${told.advice.slice(1)}.`),
     told.spread.length > 0 && h("dl", { class: "spread-rows" }, told.spread.flatMap((row) => [
       h("dt", {}, row.label),
@@ -29,6 +30,6 @@ export function touchesOf(told, anew, remove) {
         h("strong", {}, `${at + 1}${one.label === "touch" ? "" : ` ${one.label}`}`),
         h("span", { class: one.worst ? "residual bad" : "residual" }, one.residual === null ? "no residual yet" : `off by ${one.residual.toFixed(3)} ${told.unit}${one.worst ? ", the worst" : ""}`),
         h("span", { class: "soft" }, one.joints.map((value) => value.toFixed(1)).join("  "))),
-      button("Anew", () => anew(at), { class: "anew", "aria-label": `Take touch ${at + 1} anew, where the robot stands now` }),
+      button("Anew", () => anew(at), { class: "anew", "aria-label": `Record touch ${at + 1} again, at the robot's position` }),
       one.can_go && button("Remove", () => remove(at), { "aria-label": `Remove touch ${at + 1}` })))));
 }

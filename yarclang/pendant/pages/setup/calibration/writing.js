@@ -1,4 +1,4 @@
-// Writing the result: where, the difference and what is found in it, then the file itself.
+// Writing of the result: choice of the file, the difference and its findings, then the file itself.
 
 import { get, post } from "/api.js";
 import { button, h, put } from "/dom.js";
@@ -15,7 +15,7 @@ export class Writing {
     Object.assign(this, { page, app: page.app });
     this.element = h("section", { class: "writing" });
     this.file = h("select", { "aria-label": "Program" });
-    this.parent = h("select", { "aria-label": "Frame that it hangs on" });
+    this.parent = h("select", { "aria-label": "Frame to which it is attached" });
   }
 
   draw(told) {
@@ -38,7 +38,7 @@ export class Writing {
     sheet.open("A FRAME line of which program?", this.file, [["Show the change", () => this.propose({ to: "program", file: this.file.value }), "main"], ["Cancel"]], "small");
   }
 
-  // What moves with another frame of the cell, as a fixture with its table, hangs on it.
+  // Ask for the parent of the frame in the cell. A frame moves with its parent, for example a fixture with its table.
   hang() {
     const fixed = (this.app.about?.fixed ?? []).map(({ name }) => name).filter((name) => name !== `{${this.page.told.name}}`);
     if (fixed.length < 2) {
@@ -46,8 +46,8 @@ export class Writing {
       return;
     }
     put(this.parent, fixed.map((name) => h("option", { value: name, selected: name === "{B}" }, name)));
-    const hint = h("p", { class: "hint" }, "It moves with the frame that it hangs on. A frame that the cell has already keeps its own.");
-    this.page.sheet.open("Which frame does it hang on?", [this.parent, hint], [["Show the change", () => this.propose({ to: "cell", parent: this.parent.value }), "main"], ["Cancel"]], "small");
+    const hint = h("p", { class: "hint" }, "It moves with this frame. A frame that the cell already has keeps its parent.");
+    this.page.sheet.open("To which frame is it attached?", [this.parent, hint], [["Show the change", () => this.propose({ to: "cell", parent: this.parent.value }), "main"], ["Cancel"]], "small");
   }
 
   async propose(wanted) {
@@ -59,7 +59,7 @@ export class Writing {
         this.refused(refused);
         return;
       }
-      const replace = await this.page.sheet.ask("It is there already", h("p", {}, `${refused.message}.`), [["Replace it", true, "main"], ["Cancel", false]]);
+      const replace = await this.page.sheet.ask("It exists already", h("p", {}, `${refused.message}.`), [["Replace it", true, "main"], ["Cancel", false]]);
       if (replace) this.propose({ ...wanted, replace });
     }
   }
@@ -72,10 +72,10 @@ export class Writing {
     const content = [
       h("p", {}, `${made.what[0].toUpperCase()}${made.what.slice(1)}.`),
       made.obstacle && h("p", { class: "why held-back" }, made.obstacle),
-      !made.obstacle && !may && h("p", { class: "why held-back" }, "It is written by service users with their PIN."),
+      !made.obstacle && !may && h("p", { class: "why held-back" }, "Writing it needs the role service and the PIN."),
       made.findings.length > 0 && h("ul", { class: "findings" }, made.findings.slice(0, 20).map((one) => h("li", { class: one.severity }, `${one.code} line ${one.line ?? "?"}: ${one.message}`))),
       host,
-      h("p", { class: "hint" }, `Afterwards: ${made.then}. The file as it was is kept in Files, Deleted.`),
+      h("p", { class: "hint" }, `Afterwards: ${made.then}. The previous file is kept in Files > Deleted.`),
     ].filter(Boolean);
     if (asked.to === "program") content.at(-1).textContent = `Afterwards: ${made.then}.`;
     const { sheet } = this.page;
@@ -86,8 +86,8 @@ export class Writing {
   async write(asked, known) {
     try {
       const told = await pinned(this.app, () => post("/api/calibration/write", { ...asked, known }));
-      put(this.said, `${told.file} is written. Now: ${told.then}.`);
-      this.app.notice(`${told.file} is written.`);
+      put(this.said, `${told.file} was written. Next: ${told.then}.`);
+      this.app.notice(`${told.file} was written.`);
     } catch (refused) {
       this.refused(refused);
     }

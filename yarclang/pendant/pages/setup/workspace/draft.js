@@ -1,17 +1,17 @@
-// Changes that aren't saved yet: of zones, obstacles and limits, undoable.
+// A draft: changes of zones, obstacles and joint limits that aren't saved yet. They can be undone.
 
 const MOST_UNDONE = 100;
 
 export class Draft extends EventTarget {
   constructor() {
     super();
-    this.items = []; // {key, table, at, base, values, gone, metre, radian, ...}
-    this.limits = {}; // by joint: [lower, upper]
+    this.items = []; // zones and obstacles: {key, table, at, base, values, gone, metre, radian, ...}
+    this.limits = {}; // changed limits by joint: [lower, upper]
     this.past = [];
     this.next = 0;
   }
 
-  // Begin anew with what the files have.
+  // Begin a draft from the content of the files.
   open(told) {
     this.told = told;
     this.items = told.entries.map((entry) => ({ ...entry, key: `k${this.next++}`, base: present(entry.values), values: present(entry.values), gone: false }));
@@ -32,7 +32,7 @@ export class Draft extends EventTarget {
     this.dispatchEvent(new Event("changed"));
   }
 
-  // Remember how it is now, to come back to it.
+  // Store the present state, so that `undo` can restore it.
   mark() {
     this.past.push(JSON.stringify([this.items, this.limits]));
     if (this.past.length > MOST_UNDONE) this.past.shift();
@@ -44,7 +44,8 @@ export class Draft extends EventTarget {
     this.tell();
   }
 
-  // Values of an entry that are others then; undefined: the key goes. `marked`: it was marked before, as a drag goes on.
+  // Change values of an entry; undefined removes a key. `marked` is true if the state was stored before, as during a
+  // drag.
   set(key, values, marked = false) {
     const item = this.item(key);
     if (!item) return;
@@ -87,7 +88,7 @@ export class Draft extends EventTarget {
     this.tell();
   }
 
-  // What the server is told.
+  // Return the draft as a message to the server.
   message() {
     const entries = this.items.filter(isChanged).map(({ table, at, values, gone }) => ({ table, at, values: gone ? null : values }));
     const limits = Object.entries(this.limits).map(([joint, [lower, upper]]) => ({ joint, lower, upper }));

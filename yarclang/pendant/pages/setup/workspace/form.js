@@ -1,4 +1,4 @@
-// The numbers of a zone or an obstacle: which fields there are depends on its shape and rule, as in cell.toml.
+// The form for a zone or an obstacle. Its fields depend on the shape and the rule, as in cell.toml.
 
 import { button, h, put } from "/dom.js";
 
@@ -18,7 +18,8 @@ export class EntryForm {
     this.place = h("div", { class: "entry", role: "group" });
   }
 
-  // Show an entry by its key; null: none. Fields that are there already only get other numbers: the one that is typed in keeps its focus.
+  // Show an entry by its key; null: none. If the fields stay the same, only their values are updated, so that the
+  // edited field keeps the focus.
   show(key) {
     const item = key && this.draft.item(key);
     const form = item && JSON.stringify([key, item.table, item.values.shape, item.values.rule, Object.keys(item.values.joints ?? {}), Boolean(item.values.quat)]);
@@ -80,7 +81,7 @@ export class EntryForm {
     return this.field(h("select", { name, "aria-label": label, onchange: ({ target }) => act(target.value) }, known.map((one) => h("option", { value: one }, one))), (values) => values[name]);
   }
 
-  // One number of a key, or one of several.
+  // Return a field for one number: the value of a key, or element `at` of a list.
   number(name, label, at = null, first = null) {
     const read = (values) => (at === null ? values[name] : (values[name] ?? first)[at]);
     const act = ({ target }) => {
@@ -110,7 +111,7 @@ export class EntryForm {
     return this.field(h("input", { type: "text", name: "watch", autocomplete: "off", spellcheck: "false", placeholder: "tool", title: `One or more of ${watch.join(", ")}`, "aria-label": "Watches", onchange: act }), (values) => values.watch?.join(", "));
   }
 
-  // The least and the largest value of each joint that matters.
+  // Return fields for the smallest and the largest value of each joint.
   windows(angle) {
     const { joints } = this.draft.told;
     return h("div", { class: "windows" }, joints.map(({ name, unit }) => this.line(`${name} [${unit === "mm" ? "mm" : angle || "?"}]`, ["least", "largest"].map((end, at) => this.end(name, end, at)))));
@@ -121,7 +122,7 @@ export class EntryForm {
       const all = { ...this.draft.item(this.key).values.joints };
       const other = target.closest(".cells").querySelectorAll("input")[1 - at];
       const pair = at === 0 ? [numberOf(target.value), numberOf(other.value)] : [numberOf(other.value), numberOf(target.value)];
-      if (pair.includes(null) && (target.value.trim() || other.value.trim())) return; // the other end is still to come
+      if (pair.includes(null) && (target.value.trim() || other.value.trim())) return; // the other bound isn't entered yet
       if (pair.includes(null)) delete all[joint];
       else all[joint] = pair;
       this.draft.set(this.key, { joints: all });
@@ -129,7 +130,7 @@ export class EntryForm {
     return this.field(h("input", { type: "text", autocomplete: "off", "aria-label": `${joint} ${end}`, title: end, onchange: act }), (values) => values.joints?.[joint]?.[at]);
   }
 
-  // Another shape has other sizes.
+  // Change the shape, with default sizes for the new shape.
   shape(shape) {
     const unit = this.draft.item(this.key).metre ?? 0.001;
     const size = Number((0.2 / unit).toPrecision(6));
@@ -161,7 +162,7 @@ export function shown(value) {
   return value ?? "";
 }
 
-// Buttons for a chosen entry.
+// Return the buttons for a chosen entry.
 export function acts(draft, key, choose) {
   return h("div", { class: "actions" },
     button("Duplicate", () => choose(draft.copy(key))),

@@ -1,4 +1,4 @@
-// Bodies of the draft in the picture, beside those that the file has: the chosen one is dragged by its handles.
+// Bodies of the draft in the scene, beside the bodies of the file. The chosen body can be dragged by its handles.
 
 import {
   BoxGeometry, CapsuleGeometry, CylinderGeometry, DoubleSide, EdgesGeometry, Euler, Group, LineBasicMaterial, LineSegments, Matrix4, Mesh,
@@ -7,14 +7,14 @@ import {
 import { matrix } from "/scene/bodies.js";
 import { isChanged } from "/setup/workspace/draft.js";
 
-const STEP = 0.001; // of a drag [m]
-const TURN = Math.PI / 180; // of a turn [rad]
-const REACH = 110; // of the handles [px]: those that are touched are then at least 44 px wide
-const WIDE = 3; // of what is drawn of a half-space [m]
+const STEP = 0.001; // step of a drag [m]
+const TURN = Math.PI / 180; // step of a rotation [rad]
+const REACH = 110; // length of the handles [px]; their touch areas are then at least 44 px wide
+const WIDE = 3; // edge of the square that is drawn for a half-space [m]
 const HUES = { obstacles: 0xd98b00, allowed: 0x2f9e44, forbidden: 0xd83a3a, slow: 0xd98b00, posture: 0x2f6fde };
 
 export class Ghosts {
-  // `dragged(key, values)` is told while a body is dragged, `began()` before.
+  // `began()` is called before a drag, `dragged(key, values)` during it.
   constructor(scene, draft, { began, dragged }) {
     Object.assign(this, { scene, draft, began, dragged, drawn: new Map(), chosen: null, mode: "translate" });
     const { camera } = scene.eye;
@@ -31,9 +31,9 @@ export class Ghosts {
     this.fit();
   }
 
-  // Handles are as large on every screen.
+  // Give the handles the same size on every screen.
   fit() {
-    const unit = ((this.scene.element.clientHeight || 400) * 1.9) / 8; // pixels of one unit of the handles, of which an arrow is half as long
+    const unit = ((this.scene.element.clientHeight || 400) * 1.9) / 8; // pixels per unit of the handles; an arrow is half a unit long
     this.handles.setSize(Math.min(4, Math.max(0.4, (2 * REACH) / unit)));
     this.scene.invalidate();
   }
@@ -46,7 +46,7 @@ export class Ghosts {
     if (value) this.began();
   }
 
-  // The numbers follow the body.
+  // Update the entry's values from the dragged body.
   follow() {
     const one = this.drawn.get(this.chosen);
     const item = this.draft.item(this.chosen);
@@ -70,7 +70,7 @@ export class Ghosts {
     this.draw();
   }
 
-  // What is another one than in the file, and what is chosen.
+  // Draw the bodies that differ from the file, and the chosen body.
   draw() {
     const wanted = new Map(this.draft.items.filter((one) => !one.gone && (isChanged(one) || one.key === this.chosen)).map((one) => [one.key, one]));
     for (const [key, one] of this.drawn) if (!wanted.has(key)) this.drop(key, one);
@@ -103,7 +103,8 @@ export class Ghosts {
     if (!(this.held && key === this.chosen)) pose(one.body, item);
   }
 
-  // Where numbers of a frame count: a group that stands there, or hangs on the flange.
+  // Return a group at the entry's frame: stationary, or attached to the flange. Its children use the frame's
+  // coordinates.
   placeOf({ values, metre }) {
     const frame = this.draft.told.frames.find(({ name }) => name === String(values.frame).toUpperCase());
     if (!frame || !metre) return null;
@@ -152,7 +153,7 @@ function bodyOf({ table, values, metre }, mesh) {
 }
 
 function geometryOf({ shape, size, radius, length }, metre, mesh) {
-  const up = (made) => made.rotateX(Math.PI / 2); // three's cylinders lie along y
+  const up = (made) => made.rotateX(Math.PI / 2); // cylinders of three.js are along y
   const sound = (value) => typeof value === "number" && value > 0 && value * metre < 1e3;
   if (shape === "box" && size?.length === 3 && size.every(sound)) return new BoxGeometry(...size.map((one) => one * metre));
   if (shape === "half-space") return new PlaneGeometry(WIDE, WIDE, 6, 6);

@@ -14,10 +14,10 @@ export class Limits {
     this.told = told;
     const can = this.may && !told.robot_why;
     put(this.place, h("h2", {}, "Joint limits"),
-      told.robot_waits && h("p", { class: "why held-back" }, `${told.robot} isn't what the robot is served with: it counts after a restart, once the settings are sent.`),
+      told.robot_waits && h("p", { class: "why held-back" }, `${told.robot} differs from the version with which the robot is served: it takes effect after a restart, once the settings are sent.`),
       told.robot_why && h("p", { class: "soft" }, told.robot_why),
       told.joints.map((joint) => this.row(joint, limits[joint.name], can)),
-      h("p", { class: "soft" }, "Changed limits count once the robot is served again and its settings are sent: System > Controller."));
+      h("p", { class: "soft" }, "Changed limits take effect when the robot is served again and its settings are sent: System > Controller."));
   }
 
   row({ name, unit, lower, upper, least, largest }, changed, can) {

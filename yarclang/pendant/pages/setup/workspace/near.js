@@ -1,11 +1,12 @@
-// What is nearest to what, as long as the page is shown: asked for again and again, with a line in the picture.
+// The smallest distances between bodies. They are requested repeatedly while the page is shown, and drawn as lines in
+// the scene.
 
 import { post } from "/api.js";
 import { BufferAttribute, BufferGeometry, LineBasicMaterial, LineSegments } from "/bundles/three.js";
 import { h, put, text } from "/dom.js";
 
-const EACH = 250; // between an answer and the next question [ms]
-const AGAIN = 2000; // after a refusal [ms]
+const EACH = 250; // time between a reply and the next request [ms]
+const AGAIN = 2000; // time after a refusal [ms]
 
 export class Nearest {
   constructor(draft) {
@@ -51,7 +52,7 @@ export class Nearest {
     this.draw(pairs.filter(({ points }) => points.length === 6));
   }
 
-  // Lines between the nearest points, in a picture that draws in three dimensions.
+  // Draw lines between the nearest points in the scene.
   draw(pairs) {
     if (!this.scene || this.scene.closed) return;
     if (!this.line) {

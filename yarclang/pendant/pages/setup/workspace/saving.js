@@ -1,11 +1,12 @@
-// Before a draft is saved: what it makes of the files, which programs no longer hold, and where the robot stands.
+// Saving of a draft. Before it, the page shows the changes of the files, the programs that the draft breaks, and errors
+// at the robot's present position.
 
 import { get, post, remove } from "/api.js";
 import { button, h, put } from "/dom.js";
 import { compared } from "/program/comparing.js";
 import { pinned } from "/service.js";
 
-const EACH = 500; // between two looks at the check [ms]
+const EACH = 500; // time between two requests for the check's progress [ms]
 
 export class Saving {
   constructor(page) {
@@ -23,7 +24,7 @@ export class Saving {
       return;
     }
     if (!files.length) {
-      this.app.notice("Nothing is changed: the files say this already.");
+      this.app.notice("Nothing changes: the files contain these values already.");
       return;
     }
     const wrong = files.filter((one) => one.refused);
@@ -36,7 +37,7 @@ export class Saving {
     ];
     const may = this.app.may("service");
     const save = may && !wrong.length ? [["Save", () => this.save(message), "main"]] : [];
-    if (!may) content.unshift(h("p", { class: "soft" }, "Saving is for service users with their PIN."));
+    if (!may) content.unshift(h("p", { class: "soft" }, "Saving needs the role service and the PIN."));
     this.sheet.open("Save the workspace", content, [...save, ["Back", () => {}]]);
     this.open_ = true;
     this.sheet.closed = () => {
@@ -81,10 +82,10 @@ export class Saving {
       told.state === "running" && h("div", { class: "cells" }, h("progress", { max: Math.max(told.of, 1), value: told.done }), h("span", {}, `${told.done} of ${told.of} ${told.file}`), button("Cancel", () => this.cancel())),
       told.state === "failed" && h("p", { class: "bad" }, `The check has failed: ${told.what}`),
       told.state === "cancelled" && h("p", {}, "The check was cancelled."),
-      told.state === "done" && h("p", { class: broken.length ? "bad" : "" }, broken.length ? `${counted(broken.length)} no longer ${broken.length === 1 ? "holds" : "hold"}.` : good ? `${counted(good)} that ${good === 1 ? "keeps" : "keep"} to these files still ${good === 1 ? "holds" : "hold"}.` : "No program of the project keeps to these files."),
-      told.standing.map((one) => h("p", { class: "bad" }, `Where the robot stands now: ${one}.`)),
-      broken.length > 0 && h("ul", { class: "findings" }, broken.map((one) => h("li", { class: "error" }, h("strong", {}, one.file), ` held before, and doesn't now: line ${one.line ?? "?"}, ${one.code}: ${one.message}`))),
-      open.length > 0 && h("details", {}, h("summary", {}, `Not checked: ${counted(open.length)} that didn't hold before either, or took too long`),
+      told.state === "done" && h("p", { class: broken.length ? "bad" : "" }, broken.length ? `${counted(broken.length)} can no longer be proved.` : good ? `${counted(good)} that ${good === 1 ? "uses" : "use"} these files can still be proved.` : "No program of the project uses these files."),
+      told.standing.map((one) => h("p", { class: "bad" }, `At the robot's position: ${one}.`)),
+      broken.length > 0 && h("ul", { class: "findings" }, broken.map((one) => h("li", { class: "error" }, h("strong", {}, one.file), ` could be proved before, but can't now: line ${one.line ?? "?"}, ${one.code}: ${one.message}`))),
+      open.length > 0 && h("details", {}, h("summary", {}, `Not checked: ${counted(open.length)} that couldn't be proved before either, or took too long`),
         h("ul", { class: "findings" }, open.map((one) => h("li", {}, h("strong", {}, one.file), ` ${one.code} ${one.message}`)))));
   }
 
@@ -108,7 +109,7 @@ export class Saving {
       if (refused.status !== 401) this.app.notice(refused.message, true);
       return;
     }
-    this.app.notice("The file was changed meanwhile: your draft was made from another content.", true, button("Drop the draft and open it again", ({ target }) => {
+    this.app.notice("The file was changed meanwhile: your draft is based on the previous version.", true, button("Discard the draft and reload the file", ({ target }) => {
       target.closest(".notice").remove();
       this.page.load();
     }));

@@ -5,9 +5,15 @@ lines that must be ahead, and the places at which a program arms and disarms the
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
 
 from yarclang.frozen import frozen
 from yarclang.pmac.controller import turbo_pmac
+from yarclang.pmac.program import Assignment, Barrier, Item, Moves, Stand
+from yarclang.pmac.variables import ARMED
 from yarclang.robot.model import Robot
 
 _RESERVE = 0.1
@@ -15,6 +21,13 @@ _RESERVE = 0.1
 
 _SECONDS_AHEAD = 1.0
 """Smallest size of the rotary buffer, as the duration of the motion whose lines it holds [s]."""
+
+
+_AHEAD = 2
+"""Number of lines that the controller takes out of the buffer before it executes them (TUM 289)."""
+
+_OPENING = 5
+"""Number of lines of a text between `CLEAR` and its first TM (`emit.py`)."""
 
 
 @frozen
@@ -29,17 +42,151 @@ class Watermarks:
 
 
 def watermarks(robot: Robot, segment: float) -> Watermarks:
-    """Compute the size of the rotary buffer and its fill levels.
+    """Compute the size of the rotary buffer and its fill levels, for lines that all move the robot.
 
-    A hold consumes lines for half of the hold time, so at least these lines must be ahead. A line takes one
-    word per axis; two more words per line allow for statements between the lines.
+    A hold consumes moves for half of the hold time, so at least these must be ahead.
 
     Args:
         robot: the robot.
         segment: segment time [s].
     """
+    return _watermarks(robot, segment, _moves_ahead(robot, segment))
+
+
+def guarded(body: tuple[Item, ...], robot: Robot, segment: float) -> tuple[tuple[Item, ...], Watermarks]:
+    """Add the lines that arm and disarm the guard, and compute the fill levels of the buffer.
+
+    At a barrier the buffer runs empty on purpose, so the guard is disarmed before each barrier. The lines
+    between two barriers are a stretch. If the buffer has room for a whole stretch, the stretch needs no
+    guard, since all its lines are loaded before the motion begins.
+
+    The controller counts lines, but only moves take time. So the low mark is the largest number of lines that
+    contain the moves of a hold, in any guarded stretch.
+
+    Args:
+        body: the program's items after its opening.
+        robot: the robot.
+        segment: shortest segment time of the program [s].
+    """
+    moves = _moves_ahead(robot, segment)
+    stretches = list(_stretches(body))
+    marks = _watermarks(robot, segment, moves)
+    # A larger low mark makes the buffer larger, so that fewer stretches need a guard: this ends.
+    while (low := _low(stretches, moves, marks)) > marks.low:
+        marks = _watermarks(robot, segment, low)
+    return tuple(item for one in stretches for item in one.guarded(marks)), marks
+
+
+@frozen(eq=False)
+class _Stretch:
+    """The items between two barriers. The first stretch also has the lines of the text's opening.
+
+    Attributes:
+        items: the items, the barrier at the end included.
+        opening: number of lines before the first item.
+        lines: number of lines.
+        moves: (n,) the lines that move the robot, counted from 1.
+    """
+
+    items: tuple[Item, ...]
+    opening: int
+    lines: int
+    moves: NDArray[np.intp]
+
+    def needs_guard(self, marks: Watermarks) -> bool:
+        """Return True if the motion can begin before all lines of this stretch are in the buffer."""
+        return len(self.moves) > 0 and self.lines > marks.full + _AHEAD
+
+    def low(self, moves: int) -> int:
+        """Return the number of lines in which a hold finds `moves` moves, or all that are left, wherever it
+        begins.
+        """
+        before = np.append(self.moves[0] - 1, self.moves[:-1])
+        last = np.minimum(np.arange(len(self.moves)) + moves - 1, len(self.moves) - 1)
+        return int(np.max(self.moves[last] - before))
+
+    def guarded(self, marks: Watermarks) -> Iterator[Item]:
+        """Yield the items, with the guard armed before the first move and disarmed where the last lines are
+        in the buffer.
+        """
+        if not self.needs_guard(marks):
+            yield from self.items
+            return
+        left = self.lines - self.opening
+        armed, on = False, True
+        for item in self.items:
+            if isinstance(item, Moves) and not armed:
+                yield Assignment(ARMED, 1)
+                armed = True
+            before = left - (marks.low + _AHEAD)
+            size = _size(item)
+            if on and before < size:
+                on = False
+                if before:
+                    assert isinstance(item, Moves)
+                    yield Moves(item.step, item.values[:before])
+                    yield Assignment(ARMED, 0)
+                    yield Moves(item.step, item.values[before:])
+                else:
+                    yield Assignment(ARMED, 0)
+                    yield item
+            else:
+                yield item
+            left -= size
+
+
+def _stretches(body: tuple[Item, ...]) -> Iterator[_Stretch]:
+    """Yield the stretches of a program's body."""
+    ends = [place + 1 for place, item in enumerate(body) if isinstance(item, Barrier)]
+    begin = 0
+    for end in (*ends, len(body)):
+        items = body[begin:end]
+        opening = 0 if begin else _OPENING
+        sizes = np.array([_size(item) for item in items], dtype=np.intp)
+        stops = opening + np.cumsum(sizes)
+        moving = [place for place, item in enumerate(items) if isinstance(item, Moves)]
+        moves = [np.arange(stops[place] - sizes[place], stops[place], dtype=np.intp) + 1 for place in moving]
+        lines = int(stops[-1]) if len(items) else opening
+        yield _Stretch(items, opening, lines, np.concatenate(moves) if moves else np.empty(0, dtype=np.intp))
+        begin = end
+
+
+def _size(item: Item) -> int:
+    """Return the number of lines of an item in a text for a rotary buffer."""
+    match item:
+        case Moves():
+            return len(item.values)
+        case Stand():
+            return 5
+        case _:
+            return 1
+
+
+def _low(stretches: list[_Stretch], moves: int, marks: Watermarks) -> int:
+    """Return the low mark that the stretches need that have a guard with the given marks."""
+    low = moves
+    for one in stretches:
+        if one.needs_guard(marks):
+            low = max(low, one.low(moves))
+            if one.lines - int(one.moves[0]) < marks.low + _AHEAD:
+                # The first move comes after many lines that don't move, and fewer lines than the low mark
+                # follow it, so there is no line at which the guard could be disarmed. With this low mark, the
+                # buffer has room for the whole stretch.
+                low = max(low, 2 * (one.lines - _AHEAD) // 3 + 1)
+    return low
+
+
+def _moves_ahead(robot: Robot, segment: float) -> int:
+    """Return the number of moves that a hold can need, which begins late."""
+    return math.ceil((turbo_pmac(robot).hold_time / 2.0 + _RESERVE) / segment)
+
+
+def _watermarks(robot: Robot, segment: float, low: int) -> Watermarks:
+    """Compute the fill levels for a low mark.
+
+    A line takes one word per axis; two more words per line allow for statements between the lines.
+    """
     controller = turbo_pmac(robot)
-    low = math.ceil((controller.hold_time / 2.0 + _RESERVE) / segment)
     full = low + max(5, low // 2)
     lines = max(_SECONDS_AHEAD / segment, 2.0 * full)
     words = max(controller.rotary_words, math.ceil(lines * (len(controller.axes) + 2)))

@@ -11,7 +11,7 @@ import numpy as np
 
 from yarclang.backend_pmac.deciding import canonical
 from yarclang.backend_pmac.decimals import decimals_for
-from yarclang.backend_pmac.guard import Watermarks, watermarks
+from yarclang.backend_pmac.guard import guarded, watermarks
 from yarclang.decisions import AGAIN, called, in_words
 from yarclang.handling.allowing import permitted
 from yarclang.handling.keeping import kept_to
@@ -52,7 +52,6 @@ from yarclang.pmac.program import (
     Stand,
     Target,
 )
-from yarclang.pmac.variables import ARMED
 from yarclang.robot.actuation import counts_per_joint, to_counts
 from yarclang.robot.model import START_SHARE, Robot, Tolerance
 from yarclang.units import MS
@@ -70,7 +69,6 @@ def lower(plan: MotionPlan, target: Target, tolerance: Tolerance) -> PmacProgram
     robot = plan.robot
     segments = [motion.curve.segment for motion in plan.motions]
     shortest = min(segments, default=robot.controller.largest_segment)
-    marks = watermarks(robot, shortest)
     # Shorter segments need more decimals, and so does a low speed that must be kept.
     steps = [(_kept_speed(plan, motion), motion.curve.segment) for motion in plan.motions]
     slowest = min(steps, key=lambda one: one[0] * one[1], default=None)
@@ -78,7 +76,9 @@ def lower(plan: MotionPlan, target: Target, tolerance: Tolerance) -> PmacProgram
     decimals = max((decimals_for(robot, segment, tolerance, speed) for speed, segment in needed), default=4)
     body = tuple(_body(plan, decimals))
     if target == "rotary":
-        body = _guarded(body, marks)
+        body, marks = guarded(body, robot, shortest)
+    else:
+        marks = watermarks(robot, shortest)
     first = segments[0] if segments else shortest
     # The motion begins at the start as printed, which is rounded.
     start = _printed(plan.program.start / robot.axis_units, decimals)
@@ -280,53 +280,6 @@ def _printed(values: Array, decimals: int) -> Array:
     """Round control points to the printed decimals, and turn a negative zero into a positive one."""
     printed: Array = np.round(values, decimals) + 0.0
     return printed
-
-
-def _guarded(body: tuple[Item, ...], marks: Watermarks) -> tuple[Item, ...]:
-    """Return the program's body with lines that arm and disarm the guard between each two barriers.
-
-    At a barrier the buffer runs empty on purpose, so the guard may not be armed there.
-    """
-    guarded: list[Item] = []
-    stretch: list[Item] = []
-    for item in body:
-        stretch.append(item)
-        if isinstance(item, Barrier):
-            guarded += _guarded_stretch(stretch, marks)
-            stretch = []
-    return (*guarded, *_guarded_stretch(stretch, marks))
-
-
-def _guarded_stretch(body: list[Item], marks: Watermarks) -> list[Item]:
-    """Return the lines between two barriers, with the guard armed before the first move and disarmed near the
-    end.
-
-    The guard is disarmed before the number of lines ahead falls below the low mark. If there are at most
-    `full` + 2 lines, no guard is needed, since all of them are loaded before the motion begins.
-    """
-    lines = sum(len(item.values) for item in body if isinstance(item, Moves))
-    before_disarming = lines - (marks.low + 2)
-    if lines <= marks.full + 2:
-        return body
-    guarded: list[Item] = []
-    armed = False
-    for item in body:
-        if not isinstance(item, Moves):
-            guarded.append(item)
-            continue
-        if not armed:
-            guarded.append(Assignment(ARMED, 1))
-            armed = True
-        rows = len(item.values)
-        if 0 <= before_disarming < rows:
-            if before_disarming:
-                guarded.append(Moves(item.step, item.values[:before_disarming]))
-            guarded.append(Assignment(ARMED, 0))
-            guarded.append(Moves(item.step, item.values[before_disarming:]))
-        else:
-            guarded.append(item)
-        before_disarming -= rows
-    return guarded
 
 
 def _start_slack(robot: Robot, segment: float) -> Array:

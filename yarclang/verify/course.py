@@ -3,12 +3,13 @@ a failing host), assignments, and the duration.
 """
 
 import re
-from bisect import bisect, bisect_left
+from bisect import bisect
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import reduce
 from itertools import pairwise, product
+from math import ceil
 from typing import Any
 
 from yarclang.verify.exact import RefusedError, need
@@ -320,27 +321,36 @@ def check_guard(text: Text, robot: dict[str, Any]) -> None:
     for run in runs:
         long = Fraction(run.steps, STEPS) >= smallest * (1 - Fraction(1, 10**9))
         need(long, f"line {run.line}: TM below {float(smallest):.6g} ms")
-    if runs:
-        ahead = low * Fraction(min(run.steps for run in runs), STEPS * 1000)
-        enough = ahead * (1 + Fraction(1, 10**9)) >= robot["hold_time"] / 2 + _LATE
-        need(enough, "I16 lines are too short for a hold")
+    # A hold can need this many moves. The controller counts lines, but only moves take time.
+    shortest = Fraction(min([run.steps for run in runs], default=STEPS * 1000), STEPS * 1000)
+    moves_needed = ceil((robot["hold_time"] / 2 + _LATE) * (1 - Fraction(1, 10**9)) / shortest)
+    need(not runs or low >= moves_needed, "I16 lines are too short for a hold")
     need(low < full, "I17 isn't above I16")
     need(full + _AHEAD <= words // (len(robot["axes"]) + 2), "the buffer can't hold I17 lines")
     need(words >= robot["rotary_words"], "the buffer is smaller than the robot's is to be")
     need(words <= _MOST_WORDS, "the buffer is larger than a controller's memory")
     barriers = [item.line for item in text.course if item.kind == "barrier"]
     lines, armed_lines = [line for run in runs for line in run.lines], [line for line, _ in text.arms]
-    for begin, end in pairwise([0, *barriers, 1 << 62]):
+    for begin, end in pairwise([text.loaded[0], *barriers, text.loaded[1]]):
         moves = lines[bisect(lines, begin) : bisect(lines, end)]
-        arms = text.arms[bisect_left(armed_lines, begin) : bisect_left(armed_lines, end)]
-        if len(moves) <= full + _AHEAD:
-            need(not arms, f"a stretch of {len(moves)} moves arms or disarms the guard")
+        arms = text.arms[bisect(armed_lines, begin) : bisect(armed_lines, end)]
+        if end - begin - len(arms) <= full + _AHEAD or not moves:
+            need(
+                not arms,
+                f"the lines from {begin + 1} to {end} arm or disarm the guard, and fit into the buffer",
+            )
             continue
         armed = [on for _, on in arms] == [True, False]
         need(armed, f"the guard isn't armed and disarmed once from line {begin} on")
-        left = len(moves) - bisect(moves, arms[1][0])
-        need(arms[0][0] < moves[0], f"line {arms[0][0]}: the guard is armed late")
-        need(low <= left <= low + _AHEAD, f"line {arms[1][0]}: the guard is off too early or late")
+        on, off = (line for line, _ in arms)
+        need(on < moves[0], f"line {on}: the guard is armed late")
+        need(low <= end - off <= low + _AHEAD, f"line {off}: the guard is off too early or late")
+        # From each line on, I16 lines contain enough moves, or all that are left. The line that disarms isn't
+        # counted: the controller has taken more moves out of the buffer than it has executed.
+        numbers = [on - 1, *(line - (1 if line < off else 2) for line in moves)]
+        last = [*numbers[moves_needed:], *([numbers[-1]] * moves_needed)]
+        for number, ahead in zip(numbers, last, strict=False):
+            need(ahead - number <= low, f"I16 lines after line {number} have too few moves for a hold")
 
 
 def check_variables(text: Text, robot: dict[str, Any], outputs: list[str]) -> None:

@@ -91,7 +91,7 @@ class Item:
 @dataclass
 class Text:
     """A controller text as it was read: the header, the list of the program's commands (the map), and the
-    actions.
+    actions. `loaded` are the number of the line before the first line in the buffer, and of the last one.
     """
 
     version: str
@@ -105,6 +105,7 @@ class Text:
     safe: list[str]
     marks: tuple[int, int, int]
     start: tuple[int, ...]
+    loaded: tuple[int, int]
     course: list[Item]
     arms: list[tuple[int, bool]]
     decimals: int
@@ -211,7 +212,9 @@ def read(text: str, axes: list[str], motors: list[int], system: int) -> Text:
     reading.expect(f"&{system}", "".join(f"#{motor}J/" for motor in motors), "DELETE ROT")
     low, full = (int(reading.match(rf"{name}=([0-9]{{1,6}})")[1]) for name in ("I16", "I17"))
     words = int(reading.match("DEFINE ROT ([0-9]{1,9})")[1])
-    reading.expect("B0", "OPEN ROT", "CLEAR", "RAPID", "ABS")
+    reading.expect("B0", "OPEN ROT", "CLEAR")
+    clear = reading.at
+    reading.expect("RAPID", "ABS")
     start = reading.point()
     if start is None:
         reading.refuse("the start belongs here")
@@ -221,7 +224,7 @@ def read(text: str, axes: list[str], motors: list[int], system: int) -> Text:
         raise RefusedError(f"line {reading.at + 1} of the text comes after CLOSE")
     version, robot, fingerprint, _, start_said, duration, _ = said
     head = (version, robot, fingerprint, start_said, duration, entries, barriers, registers, safe)
-    return Text(*head, (low, full, words), start, course, arms, reading.decimals)
+    return Text(*head, (low, full, words), start, (clear, reading.at - 1), course, arms, reading.decimals)
 
 
 def _read_course(

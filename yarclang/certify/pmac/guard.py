@@ -3,12 +3,13 @@
 While the guard is armed, the controller's PLC 29 stops the motion on its path as soon as fewer than I16 lines
 are ahead.
 
-A text arms the guard before the first move, and disarms it only when the last lines are in the buffer.
+A text arms the guard before the first move, and disarms it only when the last lines are in the buffer. The
+controller counts all lines that it stores, not only those that move the robot.
 """
 
 from __future__ import annotations
 
-import sys
+import math
 from collections.abc import Iterator
 from itertools import pairwise
 
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 
 from yarclang.certify.pmac.own import Armed, Marks, own_of
 from yarclang.certify.read.text import Barred, ControllerText
+from yarclang.frozen import frozen
 from yarclang.pmac.controller import turbo_pmac
 from yarclang.robot.model import Robot
 from yarclang.units import MS
@@ -39,8 +41,9 @@ def check_guard(text: ControllerText, robot: Robot) -> Iterator[Fault]:
     """Check that the buffer has enough lines for the motion to stop on its path when the guard acts.
 
     A hold slows the program evenly to a stop within the robot's hold time T. During the hold, the program
-    advances as far as it would at full speed in T / 2. The PLC may start the hold late by `LATE`. The lines
-    that are ahead when the guard acts must therefore last for T / 2 + `LATE`.
+    advances as far as it would at full speed in T / 2. The PLC may start the hold late by `LATE`. The moves
+    that are ahead when the guard acts must therefore last for T / 2 + `LATE`. The controller counts lines;
+    lines that don't move the robot take no time.
 
     Args:
         text: the controller text, as the judge has read it.
@@ -54,18 +57,21 @@ def check_guard(text: ControllerText, robot: Robot) -> Iterator[Fault]:
                 "program buffer"
             )
         return
-    moving = [run.segment_ms * MS for run in text.runs]
-    if moving:
-        yield from _check_marks(marks, min(moving), robot)
-    for moves, arms in _legs(text):
-        yield from _check_leg(moves, arms, marks)
-
-
-def _check_marks(marks: Marks, segment: float, robot: Robot) -> Iterator[Fault]:
-    """Check the buffer's marks (I16, I17, size) for a text whose shortest segment lasts `segment` [s]."""
-    controller = turbo_pmac(robot)
     # While the program brakes evenly for a time T, it advances as far as it would at full speed in T / 2.
-    needed = controller.hold_time / 2.0 + LATE
+    needed = turbo_pmac(robot).hold_time / 2.0 + LATE
+    shortest = min((run.segment_ms * MS for run in text.runs), default=None)
+    if shortest is not None:
+        yield from _check_marks(marks, shortest, needed, robot)
+        moves = math.ceil(needed * (1.0 - _ROUNDING) / shortest)
+        for stretch in _stretches(text):
+            yield from _check_stretch(stretch, moves, marks)
+
+
+def _check_marks(marks: Marks, segment: float, needed: float, robot: Robot) -> Iterator[Fault]:
+    """Check the buffer's marks (I16, I17, size) for a text whose shortest segment lasts `segment` [s], if a
+    late hold needs `needed` [s] of motion.
+    """
+    controller = turbo_pmac(robot)
     if marks.low * segment < needed * (1.0 - _ROUNDING):
         yield (
             f"I16={marks.low}: {marks.low} lines of {segment / MS:.6g} ms are {marks.low * segment:.3g} s "
@@ -84,25 +90,44 @@ def _check_marks(marks: Marks, segment: float, robot: Robot) -> Iterator[Fault]:
         yield f"DEFINE ROT {marks.words}: robot.toml gives the buffer {controller.rotary_words} words"
 
 
-def _check_leg(moves: NDArray[np.int64], arms: list[Armed], marks: Marks) -> Iterator[Fault]:
-    """Check where the guard is armed and disarmed in the lines between two barriers.
+@frozen(eq=False)
+class _Stretch:
+    """The lines between two barriers.
+
+    Attributes:
+        first: number of the first line in the text.
+        last: number of the last line.
+        moves: (n,) numbers of the lines that move the robot.
+        arms: the lines that arm or disarm the guard.
+    """
+
+    first: int
+    last: int
+    moves: NDArray[np.int64]
+    arms: list[Armed]
+
+
+def _check_stretch(stretch: _Stretch, needed: int, marks: Marks) -> Iterator[Fault]:
+    """Check where the guard is armed and disarmed in the lines between two barriers, and that a hold finds
+    `needed` moves, or all that are left, among the lines that are ahead.
 
     The guard must be armed if these lines do not fit into the buffer as a whole.
     """
-    count = len(moves)
-    # The whole leg is in the buffer before the motion starts, so the computer can't be late.
-    if count <= marks.full + AHEAD:
+    moves, arms = stretch.moves, stretch.arms
+    count = stretch.last - stretch.first + 1 - len(arms)
+    # The whole stretch is in the buffer before the motion starts, so the computer can't be late.
+    if count <= marks.full + AHEAD or not len(moves):
         if arms:
             yield (
-                f"line {arms[0].line} arms or disarms the guard over {count} move lines, which are in the "
-                f"buffer as a whole before they start (I17={marks.full})"
+                f"line {arms[0].line} arms or disarms the guard over {count} lines, which are in the "
+                f"buffer as a whole before they start (I17={marks.full}), or have no move"
             )
         return
     first = int(moves[0])
     if not arms or not arms[0].on or arms[0].line > first:
         yield (
-            f"the guard isn't armed (P8100=1) before the move in line {first}, after which {count - 1} "
-            "more moves follow"
+            f"the guard isn't armed (P8100=1) before the move in line {first}, after which "
+            f"{len(moves) - 1} more moves follow"
         )
         return
     if len(arms) < 2:
@@ -115,18 +140,44 @@ def _check_leg(moves: NDArray[np.int64], arms: list[Armed], marks: Marks) -> Ite
         extra = arms[1] if arms[1].on else arms[2]
         yield f"line {extra.line} arms or disarms the guard once more"
         return
-    ahead = count - int(np.searchsorted(moves, arms[1].line))
+    ahead = stretch.last - arms[1].line
     if not marks.low <= ahead <= marks.low + AHEAD:
         yield (
-            f"line {arms[1].line} disarms the guard with {ahead} moves left: {marks.low} (I16) to "
+            f"line {arms[1].line} disarms the guard with {ahead} lines left: {marks.low} (I16) to "
             f"{marks.low + AHEAD} are allowed"
+        )
+    yield from _check_lines_ahead(stretch, needed, marks)
+
+
+def _check_lines_ahead(stretch: _Stretch, needed: int, marks: Marks) -> Iterator[Fault]:
+    """Check that from each line on, I16 lines contain `needed` moves, or all moves that are left.
+
+    The line that disarms the guard doesn't count: the controller has always taken one more move out of the
+    buffer than it has executed (`AHEAD`).
+    """
+    moves, arms = stretch.moves, stretch.arms
+    rows = np.arange(len(moves))
+    last = np.minimum(rows + needed - 1, len(moves) - 1)
+    # The numbers of the moves, without the lines that arm and disarm the guard.
+    plain = moves - np.searchsorted([one.line for one in arms], moves)
+    spans = plain[last] - np.append(arms[0].line - 1, plain[:-1])
+    widest = int(np.argmax(spans))
+    if spans[widest] > marks.low:
+        yield (
+            f"I16={marks.low}: the {last[widest] - widest + 1} moves from line {moves[widest]} on, which a "
+            f"late hold can need, are spread over {spans[widest]} lines"
         )
 
 
-def _legs(text: ControllerText) -> Iterator[tuple[NDArray[np.int64], list[Armed]]]:
-    """Yield the move lines of each part between two barriers, and its lines that arm or disarm the guard."""
+def _stretches(text: ControllerText) -> Iterator[_Stretch]:
+    """Yield the lines of each part between two barriers. A barrier's line is the last one of its part."""
+    loaded = own_of(text).loaded
+    if not loaded:
+        return
+    end = loaded[-1].first + loaded[-1].text.count("\n")
     barriers = [item.line for item in text.course if isinstance(item, Barred)]
     lines = np.concatenate([run.lines for run in text.runs]) if text.runs else np.empty(0, dtype=np.int64)
-    for begin, end in pairwise((0, *barriers, sys.maxsize)):
-        first, last = np.searchsorted(lines, (begin, end))
-        yield lines[first:last], [one for one in own_of(text).arms if begin <= one.line < end]
+    for before, last in pairwise((loaded[0].first - 1, *barriers, end)):
+        begin, stop = np.searchsorted(lines, (before, last), side="right")
+        arms = [one for one in own_of(text).arms if before < one.line <= last]
+        yield _Stretch(before + 1, last, lines[begin:stop], arms)

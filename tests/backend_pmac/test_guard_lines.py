@@ -1,0 +1,185 @@
+"""The guard counts lines, but only moves take time: wherever a hold begins, the lines ahead contain enough
+moves, and a text in which they don't is refused.
+"""
+
+import hashlib
+import json
+import math
+import random
+import re
+from functools import cache
+
+import pytest
+from programs import compiled
+
+from tests.certify.forging import Forger
+from yarclang.certify.pmac.guard import check_guard
+from yarclang.certify.pmac.read import read
+from yarclang.pipeline.proofs import proof_of
+from yarclang.pmac.controller import turbo_pmac
+from yarclang.robot.description import load_robot
+from yarclang.verify.verdict import verify
+
+BEGIN = "OUTPUT A M20\nDEFAULT (deg,s)\nP0010 MOVEJ 20 0 0 0 0 0 [{0}]\n"
+END = "P0900 STOP\n"
+MOVE = "P{0:04d} MOVEJ {1} 0 0 0 0 0 [{2}]\n"
+SET = "P{0:04d} SET A {1}\n"
+
+
+def sets(count, first=100):
+    return "".join(SET.format(first + k, "ON" if k % 2 else "OFF") for k in range(count))
+
+
+def between(count, before=6, after=6, angle=40):
+    """Return a program with `count` SETs between two motions."""
+    return BEGIN.format(before) + sets(count) + MOVE.format(800, angle, after) + END
+
+
+IN_A_BLEND = (
+    "OUTPUT A M20\nDEFAULT {TCP} (mm,deg,s) {B}\nP0010 MOVEJ_RPY 0 1174.4 1176 0 0 0 [5]\n"
+    "P0020 MOVEL 200 1174.4 1176 0 0 0 [4] BLEND 20\n"
+    + sets(7)
+    + "P0300 MOVEL 200 1174.4 1000 0 0 0 [4]\n"
+    + END
+)
+PROGRAMS = {
+    "none": between(0),
+    "one": between(1),
+    "seventy": between(70),
+    "few moves after them": between(70, after=0.6, angle=22),
+    "more than the rest of the program": between(100, before=2, after=0.6, angle=22),
+    "at the end": BEGIN.format(6) + sets(70) + END,
+    "at the start": "OUTPUT A M20\nDEFAULT (deg,s)\n" + sets(90) + MOVE.format(800, 2, 0.6) + END,
+    "in a blend": IN_A_BLEND,
+}
+
+
+@cache
+def made(program):
+    found, diagnostics = compiled(program)
+    assert found is not None, [one.message for one in diagnostics]
+    proof = proof_of(found)
+    assert proof.value is not None
+    return found.text, proof.value
+
+
+def faults(text):
+    robot = robot_of()
+    return list(check_guard(read(text, turbo_pmac(robot)), robot))
+
+
+def refused(program, text):
+    """Return why the small checker refuses a text with the program's proof."""
+    proof = json.loads(made(program)[1])
+    proof |= {"cell": {"bodies": [], "exceptions": [], "zones": []}, "planes": []}
+    proof["text"] = hashlib.sha256(text.encode()).hexdigest()
+    return verify(text.encode(), json.dumps(proof).encode()).refused
+
+
+def robot_of():
+    return load_robot("INDUSTRIAL6").value
+
+
+def mark(text, name):
+    return int(re.search(rf"(?m)^{name}=(\d+)$", text)[1])
+
+
+def counted(text):
+    """Check each line of a text as the controller counts them; return the largest number of lines that a hold
+    needs.
+    """
+    low, full = mark(text, "I16"), mark(text, "I17")
+    segment = min(float(one) for one in re.findall(r"(?m)^TM([0-9.]+)$", text)) / 1000.0
+    needed = math.ceil((turbo_pmac(robot_of()).hold_time / 2 + 0.1) / segment - 1e-9)
+    lines = text[text.index("\nCLEAR\n") + 7 : text.rindex("CLOSE\n")].split("\n")[:-1]
+    assert "STOP" not in lines
+    most = 0
+    if "P8100=1" not in lines:
+        assert len(lines) <= full + 2
+        return needed
+    on, off = lines.index("P8100=1"), lines.index("P8100=0")
+    assert not any(re.match(r"X.*[A-Z]", one) for one in lines[5:on])
+    assert low <= len(lines) - off - 1 <= low + 2
+    for first in range(on + 1, off + 1):
+        ahead = [one for one in lines[first:] if not one.startswith("P8100")]
+        moves = [place + 1 for place, one in enumerate(ahead) if one.startswith("X")]
+        if moves:
+            span = moves[min(needed, len(moves)) - 1]
+            assert span <= low
+            most = max(most, span)
+    return max(most, needed)
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_a_hold_finds_its_moves(name):
+    text, _ = made(PROGRAMS[name])
+    counted(text)
+    assert faults(text) == []
+    assert not refused(PROGRAMS[name], text)
+
+
+@pytest.mark.parametrize("name", ["seventy", "few moves after them", "in a blend", "one"])
+def test_a_low_mark_that_counts_moves_alone_is_refused(name):
+    """The low mark of plain moves is too low where other lines are between them."""
+    text, _ = made(PROGRAMS[name])
+    assert "P8100=1" in text
+    needed, low = mark(made(PROGRAMS["none"])[0], "I16"), mark(text, "I16")
+    assert low == counted(text)
+    for lower in {low - 1, needed} - {low}:
+        forged = text.replace(f"I16={low}\n", f"I16={lower}\n")
+        lines = forged.split("\n")
+        lines.remove("P8100=0")
+        lines.insert(len(lines) - 2 - lower, "P8100=0")
+        forged = "\n".join(lines)
+        assert any("spread over" in one or "lines of" in one for one in faults(forged)), lower
+        assert refused(PROGRAMS[name], forged), lower
+
+
+def test_a_stretch_that_fits_in_moves_alone_is_guarded():
+    """The moves fit into the buffer, the lines don't: a text without the guard is refused."""
+    text, _ = made(between(70, before=2, after=2))
+    assert "P8100=1" in text
+    assert text.count("\nX") <= mark(text, "I17") + 2
+    forger = Forger.of(text)
+    for line in ("P8100=0", "P8100=1"):
+        forger = forger.drop(forger.find(line))
+    assert any("isn't armed" in one for one in faults(forger.text))
+    assert "isn't armed" in refused(between(70, before=2, after=2), forger.text)
+
+
+@pytest.mark.parametrize("name", ["one", "seventy"])
+@pytest.mark.parametrize("lines", [-3, -1, 1, 3])
+def test_the_guard_is_disarmed_where_the_last_lines_are_in_the_buffer(name, lines):
+    text, _ = made(PROGRAMS[name])
+    listed = text.split("\n")
+    place = listed.index("P8100=0")
+    listed.insert(place + lines, listed.pop(place))
+    forged = "\n".join(listed)
+    left = len(listed) - 2 - listed.index("P8100=0") - 1
+    allowed = mark(text, "I16") <= left <= mark(text, "I16") + 2
+    assert (faults(forged) == []) == allowed
+    assert (not refused(PROGRAMS[name], forged)) == allowed
+
+
+def test_programs_by_chance():
+    draw = random.Random(25)
+    guarded = widened = 0
+    for _ in range(40):
+        program, at = BEGIN.format(draw.choice([1, 2, 4])), 100
+        angle = 20
+        for _ in range(draw.randint(1, 6)):
+            count = draw.choice([0, 1, 2, 5, 12, 30])
+            program, at = program + sets(count, at), at + count
+            if draw.random() < 0.2:
+                program, at = program + f"P{at:04d} WAIT [0.5]\n", at + 1
+            angle += draw.choice([-2, 1, 2])
+            program, at = program + MOVE.format(at, angle, draw.choice([0.6, 1, 3])), at + 1
+        program += END
+        text, _ = made(program)
+        most = counted(text)
+        assert faults(text) == []
+        assert not refused(program, text)
+        guarded += "P8100=1" in text
+        widened += most > 22
+    assert guarded >= 20
+    assert widened >= 10

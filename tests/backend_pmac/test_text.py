@@ -73,7 +73,7 @@ def test_the_guard_is_armed_before_the_first_move_and_disarmed_while_enough_is_a
 
 
 def test_a_short_program_is_not_guarded():
-    made, _ = compiled("P0010 MOVEJ 1 0 0 0 0 0 [0.5] (deg,s)\n")
+    made, _ = compiled("P0010 MOVEJ 0.1 0 0 0 0 0 [0.2] (deg,s)\n")
     assert "P8100" not in made.text
 
 

@@ -254,14 +254,11 @@ def emit(robot, start, jobs, target="rotary", decimals=9) -> str:
         return "".join(letter + number(x, decimals) for letter, x in zip(axes, q / units, strict=True))
 
     times = [float(job.tm) * 1e-3 for job in jobs if job.points is not None]
-    low = math.ceil((controller.hold_time / 2 + 0.1) / min(times, default=0.05))
-    full = low + max(5, low // 2)
+    needed = math.ceil((controller.hold_time / 2 + 0.1) / min(times, default=0.05))
     body = ["CLOSE ALL", "END GATHER", "DELETE GATHER", f"&{controller.coordinate_system}"]
     if target == "rotary":
-        words = max(480, (full + 2) * (len(axes) + 2))
-        body += ["".join(f"#{m}J/" for m in controller.motors), "DELETE ROT", f"I16={low}", f"I17={full}"]
+        body += ["".join(f"#{m}J/" for m in controller.motors), "DELETE ROT", "I16=", "I17=", "DEFINE ROT "]
         body += [
-            f"DEFINE ROT {words}",
             "B0",
             "OPEN ROT",
             "CLEAR",
@@ -297,8 +294,23 @@ def emit(robot, start, jobs, target="rotary", decimals=9) -> str:
         places[step] = (begins, len(body) + len(lines) - 1)
         body += lines
         moves += [row for row in range(places[step][0], len(body)) if body[row].startswith(axes[0])]
-    if target == "rotary" and len(moves) > full + 2:
-        for row, flag in ((moves[len(moves) - low - 2], 0), (moves[0], 1)):
+    count = len(body) - body.index("CLEAR") - 1 if target == "rotary" else 0
+    # From each line on, this number of lines contains the moves of a hold.
+    spans = [
+        moves[min(k + needed, len(moves)) - 1] - (moves[k - 1] if k else moves[0] - 1)
+        for k in range(len(moves))
+    ]
+    low = needed if count <= needed + max(5, needed // 2) + 2 else max(spans)
+    full = low + max(5, low // 2)
+    if target == "rotary":
+        marks = body.index("I16=")
+        body[marks : marks + 3] = [
+            f"I16={low}",
+            f"I17={full}",
+            f"DEFINE ROT {max(480, (full + 2) * (len(axes) + 2))}",
+        ]
+    if count > full + 2:
+        for row, flag in ((len(body) - low - 2, 0), (moves[0], 1)):
             body.insert(row, f"P8100={flag}")
             places = {
                 step: (first + (first >= row), last + (last >= row)) for step, (first, last) in places.items()

@@ -173,13 +173,14 @@ class Blended:
 
     def to_json(self) -> dict[str, Any]:
         """Return the bounds for JSON, in mm and deg."""
-        return {
+        bounds = {
             "segments": self.segments,
             "radius_mm": _number(self.radius / MM),
             "turn_deg": _number(self.turn / DEG),
             "position_mm": _number(most(self.position, MM)),
             "angle_deg": _number(most(self.angle, DEG)),
         }
+        return bounds if self.passed is None else {**bounds, "corner_segment": self.passed}
 
 
 @frozen

@@ -117,9 +117,9 @@ def why_not(chain: Sequence[Link], proofs: dict[str, Any]) -> str:
     return ""
 
 
-def check_chain(chain: Sequence[Link], proofs: dict[str, Any], arm: Arm) -> Iterator[str]:
+def check_chain(chain: Sequence[Link], proofs: dict[str, Any], arm: Arm, notes: list[str]) -> Iterator[str]:
     """Check a chain of blended motions, or a motion from rest to rest; yield the properties that are not
-    checked.
+    checked, and add to `notes` when corners without a ball are passed.
     """
     found, late = list[Followed](), Fraction(0)
     for row, told in chain:
@@ -147,6 +147,13 @@ def check_chain(chain: Sequence[Link], proofs: dict[str, Any], arm: Arm) -> Iter
     need(begins and ends, f"{title}: not shown to follow its path from its start to its end")
     pairs = [_corner(one, other, proofs[str(one.motion.row.entry.step)]) for one, other in pairwise(found)]
     kept = [False, *pairs, False]
+    for one in found[:-1]:
+        row, off = one.motion.row, (one.end - one.motion.row.last) * one.motion.row.seconds
+        if max(one.told.get("blend", [0])) == 0:
+            side = "after" if off > 0 else "before"
+            notes.append(
+                f"{row.entry.title} passes its corner {abs(float(off)):.3f} s {side} its blend's middle"
+            )
     sharp = [None if max(one.told.get("blend", [0])) > 0 else one.end for one in found[:-1]]
     corners = [None, *sharp, None]
     for number, path in enumerate(found):

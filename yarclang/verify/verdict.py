@@ -309,7 +309,7 @@ def _check_motions(
                 title += f" to {links[-1][0].entry.title}, {len(links)} motions that flow into each other"
             verdict.unchecked.append(f"{title}: path, goal, time and speed ({reason})")
         else:
-            verdict.unchecked += check_chain(links, proof["motions"], arm)
+            verdict.unchecked += check_chain(links, proof["motions"], arm, verdict.told)
             if len(links) > 1:
                 flowing += len(links)
                 continue

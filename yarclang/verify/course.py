@@ -354,8 +354,8 @@ def check_guard(text: Text, robot: dict[str, Any]) -> None:
 
 
 def check_variables(text: Text, robot: dict[str, Any], outputs: list[str]) -> None:
-    """Check that only outputs are assigned, and that conditions read no variable of the guard or of
-    motors.
+    """Check that only outputs are assigned, and that conditions, watches and searches read no variable of the
+    guard or of motors.
     """
     puts = [
         what for item in text.course for _, what in (*item.puts, (0, item.what if item.kind == "put" else ""))
@@ -364,7 +364,10 @@ def check_variables(text: Text, robot: dict[str, Any], outputs: list[str]) -> No
     for put in [*filter(None, puts), *text.safe]:
         need(put.partition("=")[0] in known, f"{put}: no output of the program")
     need(len({put.partition("=")[0] for put in text.safe}) == len(text.safe), "an output has two safe values")
-    asked = [name for what, _, _ in text.barriers.values() for name in _NAMED.findall(what.split()[2])]
+    conditions = [what.split()[2] for what, _, _ in text.barriers.values()]
+    conditions += [line.split()[2] for line in text.registers if line.startswith("; watch ")]
+    conditions += [line.split()[3] for line in text.registers if line.startswith("; search ")]
+    asked = [name for condition in conditions for name in _NAMED.findall(condition)]
     for name in [*asked, *outputs]:
         own = _OWN.fullmatch(name) or name in robot["feedback"] or int(name[1:]) > 8191
         need(not own and name[1:] == str(int(name[1:])), f"{name} is a variable of the guard or of motors")

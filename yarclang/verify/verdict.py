@@ -31,6 +31,8 @@ _OF_STEP = "title move tolerance duration speed kept ceiling any_jerk blend unch
 _OF_JOINTS = "through tool tolerance_of"
 _OF_MOVE = {"line": "pose tool", "arc": "pose tool via", "joint": _OF_JOINTS, "spline": _OF_JOINTS}
 _OF_MOVE |= {"timetable": "rows within", "spline of poses": "pose tool poses"}
+_OF_MOTION = "from until pieces s rates speeds corner goal start axis angle quaternions turns "
+_OF_MOTION += "centre spoke side sweep via"
 _OF_GOALS = {"through": "q pose tool", "rows": "q at v a"}
 _NAME = r"(?!(True|False|None)$)[A-Za-z_{][\w.{}=-]*"
 """A string that is printed without quotes: one word. Words after a space could look like other fields."""
@@ -301,6 +303,8 @@ def _check_motions(
             verdict.exempt.append(f"{title}: the jerk, also in its blends: its profile has no limit")
     steps = {str(row.entry.step) for row in rows if row.control}
     need(steps.issuperset(proof["motions"]), "the proof is about motions that the text doesn't have")
+    strange = " ".join(unknown(one, _OF_MOTION) for one in proof["motions"].values()).strip()
+    need(not strange, f"a motion of the proof has {strange}, which this checker doesn't know")
     widest, alone, still, flowing = [Fraction(0), Fraction(0)], 0, 0, 0
     for links in chains_of(rows, program["steps"]):
         reason, title = why_not(links, proof["motions"]), links[0][0].entry.title

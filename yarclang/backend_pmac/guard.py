@@ -22,7 +22,6 @@ _RESERVE = 0.1
 _SECONDS_AHEAD = 1.0
 """Smallest size of the rotary buffer, as the duration of the motion whose lines it holds [s]."""
 
-
 _AHEAD = 2
 """Number of lines that the controller takes out of the buffer before it executes them (TUM 289)."""
 
@@ -113,15 +112,15 @@ class _Stretch:
             yield from self.items
             return
         left = self.lines - self.opening
-        armed, on = False, True
+        armed = disarmed = False
         for item in self.items:
             if isinstance(item, Moves) and not armed:
                 yield Assignment(ARMED, 1)
                 armed = True
             before = left - (marks.low + _AHEAD)
             size = _size(item)
-            if on and before < size:
-                on = False
+            if not disarmed and before < size:
+                disarmed = True
                 if before:
                     assert isinstance(item, Moves)
                     yield Moves(item.step, item.values[:before])

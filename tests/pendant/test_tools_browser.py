@@ -70,11 +70,11 @@ def test_signals_are_shown_and_switched(place):
     goes_to(browser, "run")
     goes_to(browser, "io")
     until(lambda: shown(browser, "[data-name=GRIP] .lamp") == "OFF")
-    assert "the part doesn't fall" in shown(browser, "[data-name=GRIP]")
+    until(lambda: "the part doesn't fall" in shown(browser, "[data-name=GRIP]"))
     # An output that takes or drops a part is switched only after a question.
     click(browser, "[data-name=GRIP] [data-value='1']")
     until(lambda: "The gripper closes" in shown(browser, "dialog.asks"))
-    assert browser.execute_script("return document.activeElement.textContent") == "Cancel"
+    until(lambda: browser.execute_script("return document.activeElement.textContent") == "Cancel")
     press(browser, "dialog.asks button", "Cancel")
     assert shown(browser, "[data-name=GRIP] .lamp") == "OFF"
     click(browser, "[data-name=GRIP] [data-value='1']")
@@ -87,8 +87,12 @@ def test_signals_are_shown_and_switched(place):
         "'wait.yarc'}).then((told) => said('/api/orders/run', {program: told.program.number}))"
     )
     until(lambda: shown(browser, ".io-wait").startswith("P0020 waits for PART_READY = OFF since"))
-    assert "Outputs can't be switched" in shown(browser, ".io-lists")
-    assert browser.execute_script("return document.querySelector('[data-name=GRIP] [data-value]').disabled")
+    until(lambda: "Outputs can't be switched" in shown(browser, ".io-lists"))
+    until(
+        lambda: browser.execute_script(
+            "return document.querySelector('[data-name=GRIP] [data-value]').disabled"
+        )
+    )
     click(browser, "[data-name=PART_READY] [data-value='0']")
     until(lambda: browser.execute_script("return document.querySelector('.io-wait').hidden"))
     until(lambda: shown(browser, "#bar .state") == "Idle")
@@ -102,9 +106,8 @@ def test_signals_are_shown_and_switched(place):
         "const one = document.querySelector('.io-bar input[type=search]'); one.value = 'm2'; "
         "one.dispatchEvent(new Event('input'))"
     )
-    assert browser.execute_script(
-        "return [...document.querySelectorAll('.signal')].map((one) => one.dataset.name)"
-    ) == ["PRESS_LOADED"]
+    names = "return [...document.querySelectorAll('.signal')].map((one) => one.dataset.name)"
+    until(lambda: browser.execute_script(names) == ["PRESS_LOADED"])
     press(browser, "#bar button", "Release control")
     until(lambda: "Take control of the robot first" in shown(browser, ".io-lists"))
 

@@ -52,10 +52,11 @@ def dot(a: Sequence[int], b: Sequence[int]) -> int:
     return (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) >> BITS
 
 
-def placed(numbers: Sequence[Fraction]) -> Step:
+def placed(numbers: Sequence[Fraction], farthest: int = 64) -> Step:
     """Read a pose from the proof; return the columns of its rotation, and its origin.
 
-    The proof gives three rows of the rotation, each followed by a coordinate of the origin [m].
+    The proof gives three rows of the rotation, each followed by a coordinate of the origin [m]. The origin
+    must be nearer than `farthest` [m].
     """
     need(len(numbers) == 12, "a frame doesn't have 12 numbers")
     columns = [[fixed(numbers[4 * row + column]) for row in range(3)] for column in range(4)]
@@ -67,7 +68,7 @@ def placed(numbers: Sequence[Fraction]) -> Step:
             )
     x, y, z = columns[:3]
     need(dot(cross(x, y), z) > 0, "the axes of a frame are left-handed")
-    need(length(*columns[3]) < 64 * ONE, "a frame is more than 64 m away")
+    need(length(*columns[3]) < farthest * ONE, f"a frame is more than {farthest} m away")
     return columns[:3], columns[3]
 
 

@@ -5,7 +5,8 @@ than one unit, a sine or cosine by less than 2**10 units. Consider a chain of at
 longer than 64 m, angles below 1024 rad and rates below 1024 per s (`arm.py` refuses others). Its kinematics
 multiply errors by at most 4 per joint, add them up over at most 32 steps, and multiply them once by a length
 and once by a rate. This gives 2**(10 + 32 + 5 + 6 + 10) units, with the exponents of the sine, of 4 per
-joint, of the steps, of the length and of the rate: less than 2**-60 for any computed pose or velocity.
+joint, of the steps, of the length and of the rate: less than 2**-60 for any computed pose or velocity. Bodies
+and zones that no joint moves may be up to 1024 m away or large, which gives less than 2**-100.
 `SLACK`, 2**-44 or 6e-14 (m, rad), is added to every bound that is compared.
 """
 

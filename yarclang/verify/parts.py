@@ -47,13 +47,12 @@ def check_parts(rows: Sequence[Moved], done: Sequence[str], bodies: Sequence[Tol
         elif "during" in body:
             parts.setdefault(body["name"], []).append(body)
     one_way = not any(deed.startswith("barrier ") and deed.split()[1] in PARTING for deed in done)
-    steps = list(follow(done))
+    steps = sorted(follow(done))
     for name, found in parts.items():
         periods = sorted({(int(first), int(last)) for body in found for first, last in body["during"]})
         apart = all(other[0] > one[1] for one, other in pairwise(periods))
         need(apart or not one_way, f"{name}: a part that is in two places")
-        for before, after, put in steps:
-            left |= dict.fromkeys(_handed_over(rows, before, after, put, name, found, arm))
+        left |= dict.fromkeys(_handed_over(rows, steps, name, found, arm))
     return list(left)
 
 
@@ -86,35 +85,73 @@ def follow(done: Sequence[str]) -> set[tuple[int, int, bool]]:
 
 
 def _handed_over(
-    rows: Sequence[Moved], before: int, after: int, put: bool, name: str, bodies: Sequence[Told], arm: Arm
+    rows: Sequence[Moved], steps: Sequence[tuple[int, int, bool]], name: str, bodies: Sequence[Told], arm: Arm
 ) -> Iterator[str]:
-    """Check that a workpiece or tool stays in place between two motions; yield what isn't checked."""
-    there, then = (
-        [body for body in bodies if any(first <= step <= last for first, last in body["during"])]
-        for step in (before, after)
-    )
-    gone, come = (
-        [one for one in some if one not in others] for some, others in ((there, then), (then, there))
-    )
-    if not there and any(body["joint"] > 0 for body in come):
-        yield f"from where the arm has {name}"
-    if not then and any(body["joint"] > 0 for body in gone):
-        yield f"where the arm leaves {name}"
-    if not there or not then or all(body["joint"] == 0 for body in gone + come):
-        return
-    what = f"where {name} is between commands {before} and {after}"
-    if rows[before].entry.blend is not None:
-        yield what
-        return
-    need(put, f"{what}: no output is set there")
-    links = arm.links(in_joints(rows[before].end, PRINTED, arm.turns), [0] * len(arm.turns))
-    for some, others in ((gone, then), (come, there)):
-        for body in some:
-            off = [found for other in others if (found := _apart(body, other, links)) is not None]
-            need(bool(off), f"{what}: it has another shape")
-            need(
-                min(off) <= _SAME, f"{what}: {min(off) / above(1) * 1000:.6g} mm from where it was, or turned"
-            )
+    """Check that a workpiece or tool stays in place between any two motions; yield what isn't checked.
+
+    A body of the first motion must also be there in the second one, or be where a body of the second one is.
+    A body of the second motion must have come from somewhere on one of the ways to it: after a branch, it may
+    be that of another way.
+    """
+    present = dict[int, tuple[int, ...]]()
+    for number, body in enumerate(bodies):
+        for step in {k for first, last in body["during"] for k in range(int(first), int(last) + 1)}:
+            present[step] = (*present.get(step, ()), number)
+    on_arm = [body["joint"] > 0 for body in bodies]
+    sources, faults = dict[tuple[int, int], list[tuple[int, int]]](), dict[tuple[int, int], str]()
+    for before, after, put in steps:
+        there, then = present.get(before, ()), present.get(after, ())
+        gone, come = (
+            [one for one in some if one not in others] for some, others in ((there, then), (then, there))
+        )
+        for one in then:
+            sources.setdefault((after, one), []).append((before, one))
+        if not gone and not come:
+            continue
+        if not there and any(on_arm[one] for one in come):
+            yield f"from where the arm has {name}"
+        if not then and any(on_arm[one] for one in gone):
+            yield f"where the arm leaves {name}"
+        what = f"where {name} is between commands {before} and {after}"
+        believed = not there or not then or not any(on_arm[one] for one in gone + come)
+        if not believed and rows[before].entry.blend is not None:
+            yield what
+            believed = True
+        if believed:
+            for one in come:
+                sources[after, one].append((-1, -1))
+            continue
+        need(put or not gone, f"{what}: no output is set there")
+        faults |= dict.fromkeys([(after, one) for one in come], f"{what}: no output is set there")
+        if not put:
+            continue
+        links = arm.links(in_joints(rows[before].end, PRINTED, arm.turns), [0] * len(arm.turns))
+        for one in gone:
+            fault, _ = _nearest(bodies, one, then, links)
+            need(not fault, f"{what}: {fault}")
+        for one in come:
+            fault, near = _nearest(bodies, one, there, links)
+            faults[after, one] = f"{what}: {fault}"
+            sources[after, one] += [(before, other) for other in near]
+    known, size = {(-1, -1)}, 0
+    while len(known) > size:
+        size = len(known)
+        known |= {place for place, found in sources.items() if not known.isdisjoint(found)}
+    for place, fault in faults.items():
+        need(place in known, fault)
+
+
+def _nearest(
+    bodies: Sequence[Told], number: int, others: Sequence[int], links: Sequence[Frame]
+) -> tuple[str, list[int]]:
+    """Return the bodies among `others` that are where body `number` is, or the reason why there are none."""
+    off = {other: _apart(bodies[number], bodies[other], links) for other in others}
+    known = [far for far in off.values() if far is not None]
+    near = [other for other, far in off.items() if far is not None and far <= _SAME]
+    if not known:
+        return "it has another shape", []
+    fault = f"{min(known) / above(1) * 1000:.6g} mm from where it was, or turned"
+    return "" if near else fault, near
 
 
 def _apart(one: Told, other: Told, links: Sequence[Frame]) -> int | None:

@@ -17,6 +17,8 @@ _OF_ZONE = "name rule margin region watched"
 _OF_REGION = "pose core corners disc radius"
 _FASTER = 1 + Fraction(1, 1000)
 """Allowed excess of the speed in a slow zone: 0.1 %."""
+_MOST_PAIRS = 300_000
+"""Largest number of pairs of bodies, which are those of 775 bodies."""
 _ROBOT = {"name": "the robot", "joint": Fraction(0), "core": [Fraction(0)] * 3, "point": True}
 _ROBOT |= {"pose": [Fraction(k % 5 == 0) for k in range(12)]} | dict.fromkeys(
     ("disc", "radius", "margin"), Fraction(0)
@@ -33,7 +35,8 @@ class Body:
         strange = unknown(told, _OF_BODY)
         need(not strange, f"{self.name} has {strange}, which this checker doesn't know")
         need(self.joint == told["joint"] and 0 <= self.joint <= len(arm.turns), "a body on no joint")
-        self.axes, self.origin = placed(told["pose"])
+        farthest = 1024 if self.joint == 0 else 64  # no joint turns what is fixed, so its place is exact
+        self.axes, self.origin = placed(told["pose"], farthest)
         self.core, self.corners = [fixed(one) for one in told["core"]], told.get("corners", [])
         self.disc, self.radius, self.margin = (fixed(told[name]) for name in ("disc", "radius", "margin"))
         need(self.is_point in (True, False), f"{self.name}: point is neither true nor false")
@@ -43,7 +46,7 @@ class Body:
         need(all(len(corner) == 3 for corner in self.corners), f"{self.name}: a corner isn't 3 numbers")
         far = max([length(*corner) for corner in self.corners], default=0)
         far += length(length(*self.core[:2]) + self.disc, self.core[2]) + self.radius
-        need(far < 64 * ONE, f"{self.name} is larger than 64 m")
+        need(far < farthest * ONE, f"{self.name} is larger than {farthest} m")
         need(not self.is_point or far <= 8, f"{self.name} is a point that has a size")
         self.reach = arm.reaches(self.joint, self.origin, travel, far)
 
@@ -164,6 +167,10 @@ class Room:
             steps: commands, with the start and the end of their segments.
         """
         found, joint = [], [body.joint for body in self.all]
+        every = self.count * (self.count - 1) // 2
+        need(
+            every <= _MOST_PAIRS, f"the proof has {self.count} bodies: this checker takes {_MOST_PAIRS} pairs"
+        )
         apart = [pair for pair in combinations(range(self.count), 2) if joint[pair[0]] != joint[pair[1]]]
         solid = [(*pair, ()) for pair in apart if not any(self.bodies[one].is_point for one in pair)]
         for one, other, conditions in (*solid, *self.watched):
@@ -204,7 +211,7 @@ def _zone(zone: dict[str, Any], arm: Arm) -> tuple[list[Body | Border], Sequence
         return [Border(name, 0, *EVERYWHERE)], conditions
     if "core" not in region:
         need(set(region) == {"pose"}, f"{name}: a half-space that has a size")
-        columns, origin = placed(region["pose"])
+        columns, origin = placed(region["pose"], 1024)
         normal = [-one for one in columns[2]] if rule == "allowed" else columns[2]
         return [Border(name, margin, normal, dot(normal, origin))], conditions
     body = Body(region | {"name": name, "joint": 0, "margin": 0}, arm, [])

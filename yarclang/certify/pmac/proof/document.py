@@ -79,6 +79,10 @@ def proof_of(
             steps[place.step] |= all_.told[place.step]
         motions = all_.proofs
     around = Room(commands_of(layout, program, robot), robot)
+    try:
+        planes = planes_of(rows, around.told, around.items, robot, checked.registers)
+    except RefusedError as refusal:
+        raise NoProofError(f"the checker doesn't take this cell: {refusal}") from None
     document = {
         "form": FORM,
         "version": content.header.version,
@@ -94,7 +98,7 @@ def proof_of(
         },
         "motions": motions,
         "cell": around.told,
-        "planes": planes_of(rows, around.told, around.items, robot, checked.registers),
+        "planes": planes,
     }
     made = json.dumps(document, separators=(",", ":"), allow_nan=False) + "\n"
     verdict = verify(text.encode("ascii"), made.encode("ascii"))

@@ -261,7 +261,9 @@ def _told(body: Body, robot: Robot) -> dict[str, Any]:
     pose[:3, 3] = back[:3, :3] @ item.middle + back[:3, 3]
     corners = item.points @ back[:3, :3].T + back[:3, 3] - pose[:3, 3]
     told |= {"core": [0, 0, 0], "disc": 0, "radius": _GRID, "pose": told_frame(pose)}
-    return told | {"corners": np.round(np.unique(np.round(corners / _GRID), axis=0) * _GRID, 9).tolist()}
+    # The corners are in the order of the mesh: the checker compares those of a part on the ground and on the
+    # arm one by one.
+    return told | {"corners": np.round(np.round(corners / _GRID) * _GRID, 9).tolist()}
 
 
 def told_shape(pose: Array, geometry: Geometry) -> dict[str, Any]:

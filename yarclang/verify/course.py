@@ -4,6 +4,7 @@ a failing host), assignments, and the duration.
 
 import re
 from bisect import bisect
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -150,7 +151,7 @@ def follow(text: Text) -> tuple[list[Moved], list[str]]:
     # The state is the position, or all positions at which the branches to this place end. The RAPID after
     # such a place leads to one of them exactly: differences never add up.
     standing, stood = Ways((text.start,), meet), (text.start,)
-    waiting = list(moving)
+    waiting = deque(moving)
     behind: Item | None = None
     places: dict[int, Point | None] = {}
     step = -1
@@ -204,7 +205,7 @@ def _sequence(
     number: int,
     item: Item,
     standing: Ways,
-    waiting: list[Entry],
+    waiting: deque[Entry],
     found: list[Moved],
     done: list[str],
     step: int,
@@ -216,11 +217,11 @@ def _sequence(
     (start,), points = standing.at, item.points
     control = [start, start, start, *points, points[-1], points[-1]]
     place, before = 0, None
-    puts = list(item.puts)
+    put = 0  # number of outputs that were assigned to a corner
     numbers = {line: k for k, line in enumerate(item.lines)}
     while place < len(points):
         need(bool(waiting), f"the moves from line {item.lines[place]} on belong to no command")
-        entry = waiting.pop(0)
+        entry = waiting.popleft()
         need(step < entry.step, f"command {entry.step} isn't in the order of the map")
         fits = entry.first == item.lines[place] and entry.last in numbers
         need(fits, f"command {entry.step} has other lines")
@@ -240,16 +241,16 @@ def _sequence(
         found.append(one)
         done.append(f"move {entry.step}")
         after = numbers.get(waiting[0].last or 0, place) + 1 if waiting else 0  # where the next command ends
-        for line, what in list(puts):
+        while put < len(item.puts):
+            line, what = item.puts[put]
             off = bisect(item.lines, line) - behind
-            if off > 1:
-                break
-            if after <= behind or abs(off) <= abs(bisect(item.lines, line) - after):
-                need(off >= -1 and blend is not None, f"line {line}: an output not in a blend's middle")
-                done.append(f"put {what}")
-                puts.pop(0)
+            if off > 1 or (behind < after and abs(off) > abs(bisect(item.lines, line) - after)):
+                break  # it belongs to the next corner
+            need(off >= -1 and blend is not None, f"line {line}: an output not in a blend's middle")
+            done.append(f"put {what}")
+            put += 1
         standing.at, place, before, step = (end,), behind, blend, entry.step
-    need(not puts, "an output is set after the last blend of a sequence")
+    need(put == len(item.puts), "an output is set after the last blend of a sequence")
     return step
 
 
@@ -321,6 +322,8 @@ def check_guard(text: Text, robot: dict[str, Any]) -> None:
     for run in runs:
         long = Fraction(run.steps, STEPS) >= smallest * (1 - Fraction(1, 10**9))
         need(long, f"line {run.line}: TM below {float(smallest):.6g} ms")
+        largest = robot["largest_tm"] + Fraction(1, STEPS)
+        need(run.steps <= largest * STEPS, f"line {run.line}: TM above the robot's longest")
     # A hold can need this many moves. The controller counts lines, but only moves take time.
     shortest = Fraction(min([run.steps for run in runs], default=STEPS * 1000), STEPS * 1000)
     moves_needed = ceil((robot["hold_time"] / 2 + _LATE) * (1 - Fraction(1, 10**9)) / shortest)

@@ -9,7 +9,7 @@ import numpy as np
 from yarclang.certify.kinematics.motors import from_counts, joints_per_count
 from yarclang.certify.pmac.assignments import check_assignments
 from yarclang.certify.pmac.guard import check_guard
-from yarclang.certify.pmac.own import Guard, own_of
+from yarclang.certify.pmac.own import TM_STEPS_PER_MS, Guard, own_of
 from yarclang.certify.pmac.read import read
 from yarclang.certify.read.reader import Fault, Reader, StartPlace
 from yarclang.certify.read.text import ControllerText, Unreadable
@@ -62,13 +62,19 @@ def _faults(content: ControllerText, robot: Robot, outputs: Set[str] | None) -> 
     yield from _start_faults(content, robot)
     yield from (Fault("Y1191", reason) for reason in check_assignments(content, robot, outputs))
     yield from (Fault("Y1190", reason) for reason in check_guard(content, robot))
-    smallest = robot.controller.smallest_segment
+    smallest, largest = robot.controller.smallest_segment, robot.controller.largest_segment
     for run in content.runs:
         if run.segment_ms * MS < smallest * (1.0 - 1e-9):
             yield Fault(
                 "Y1152",
                 f"TM{run.segment_ms:.12g} in line {run.tm_line} is below {smallest / MS:.4f} ms, three "
                 "real-time interrupts of the controller",
+            )
+        if run.segment_ms > largest / MS + 1.0 / TM_STEPS_PER_MS:
+            yield Fault(
+                "Y1152",
+                f"TM{run.segment_ms:.12g} in line {run.tm_line} is above {largest / MS:.6g} ms, the robot's "
+                "longest segment time (controller.largest_tm)",
             )
 
 

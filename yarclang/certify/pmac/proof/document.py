@@ -24,6 +24,7 @@ from yarclang.certify.read.text import ControllerText
 from yarclang.decisions import bits_of
 from yarclang.pmac.controller import turbo_pmac
 from yarclang.robot.model import Robot, Tolerance
+from yarclang.units import MS
 from yarclang.verify.course import follow
 from yarclang.verify.exact import RefusedError
 from yarclang.verify.reader import read
@@ -129,6 +130,7 @@ def _robot(robot: Robot) -> dict[str, Any]:
         "counts": [in_units(row * units) for row in counts_per_joint(robot)],
         "coordinate_system": controller.coordinate_system,
         "rotary_words": controller.rotary_words,
+        "largest_tm": float(f"{controller.largest_segment / MS:.13g}"),
         "hold_time": controller.hold_time,
         "i8": controller.i8,
         "i10": controller.i10,

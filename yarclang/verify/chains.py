@@ -47,6 +47,8 @@ _CHOSEN = Fraction(1, 1000)
 """Largest deviation from a corner's pose at the joint positions chosen for this pose [mm and deg]."""
 _CORNER = 32
 """Number of pieces into which the section of a path that a blend leaves out is cut."""
+_NEARLY = ONE >> 24
+"""Allowed error of a goal at rest besides rounding of the text: 6e-8 m or rad."""
 _STILL: Vector = [0, 0, 0]
 _FASTEST = Fraction(1 << 20)
 """Speed that stands for "no limit", since no robot is as fast [mm/s or deg/s]."""
@@ -117,9 +119,19 @@ def why_not(chain: Sequence[Link], proofs: dict[str, Any]) -> str:
     return ""
 
 
-def check_chain(chain: Sequence[Link], proofs: dict[str, Any], arm: Arm, notes: list[str]) -> Iterator[str]:
+def check_chain(
+    chain: Sequence[Link], proofs: dict[str, Any], arm: Arm, digit: Fraction, notes: list[str]
+) -> Iterator[str]:
     """Check a chain of blended motions, or a motion from rest to rest; yield the properties that are not
-    checked, and add to `notes` when corners without a ball are passed.
+    checked.
+
+    Args:
+        chain: the motions, each with its description in the proof.
+        proofs: the proof's data about motions, by the motion's step.
+        arm: the arm.
+        digit: value of the last printed digit of the text [deg or mm].
+        notes: list to which is added when corners without a ball are passed, and which joint positions are
+            chosen for poses.
     """
     found, late = list[Followed](), Fraction(0)
     for row, told in chain:
@@ -141,10 +153,18 @@ def check_chain(chain: Sequence[Link], proofs: dict[str, Any], arm: Arm, notes: 
             _on_time(row, told, proofs[str(row.entry.step)], arm)
             return
         found.append(_follow(row, told, proofs[str(row.entry.step)], arm, found[-1] if found else None))
+        if isinstance(found[-1].path, Pieces) and any(goal["q"] is None for goal in told["through"]):
+            goal = found[-1].path.goal
+            units = (
+                one * (180 if turns else 1000 * PI) / PI / ONE
+                for one, turns in zip(goal, arm.turns, strict=True)
+            )
+            notes.append(f"{title} ends at the joint positions {' '.join(f'{one:.6g}' for one in units)}")
     first, last = found[0], found[-1]
     begins = first.begin == chain[0][0].first and first.shares[0] == 0
     ends = last.end == chain[-1][0].last and last.shares[1] == ONE
     need(begins and ends, f"{title}: not shown to follow its path from its start to its end")
+    _check_end(last, digit)
     pairs = [_corner(one, other, proofs[str(one.motion.row.entry.step)]) for one, other in pairwise(found)]
     kept = [False, *pairs, False]
     for one in found[:-1]:
@@ -159,6 +179,26 @@ def check_chain(chain: Sequence[Link], proofs: dict[str, Any], arm: Arm, notes: 
     for number, path in enumerate(found):
         besides = [found[k].told if 0 <= k < len(found) else None for k in (number - 1, number + 1)]
         yield from _check_speeds(path, besides, kept[number : number + 2], corners[number : number + 2])
+
+
+def _check_end(last: Followed, digit: Fraction) -> None:
+    """Check that a motion that ends at rest is at its goal, to rounding: the next path begins there. A path
+    that begins elsewhere within the tolerance could turn the other way round, or bend out of its plane.
+
+    A joint is off by at most a digit of the text. If the text has few digits, a tenth of the tolerance
+    counts.
+    """
+    what, told, arm = last.what, last.told, last.motion.arm
+    off = [length(*e) for e, _ in error(what.at(last.end), last.path.at(ONE), 0)]
+    steps = [in_si(digit, 1, turns) for turns in arm.turns]
+    limits, most = steps, _per_joint(told["tolerance"], arm)
+    if isinstance(what, Frames):
+        ways = zip(steps, what.reach, arm.turns, strict=True)
+        turned = sum(step for step, turns in zip(steps, arm.turns, strict=True) if turns)
+        limits = [sum(times(step, reach) if turns else step for step, reach, turns in ways), 2 * turned]
+        most = [in_si(told["tolerance"][0], 1, False), in_si(told["tolerance"][1], 1, True)]
+    allowed = [min(limit + _NEARLY, top // 10 + SLACK) for limit, top in zip(limits, most, strict=True)]
+    _within(what, allowed, off, f"{last.motion.row.entry.title}, from its goal at rest")
 
 
 def _stays(row: Moved, told: Told, arm: Arm) -> None:
@@ -230,7 +270,7 @@ def _goals(row: Moved, told: Told, proof: Told, arm: Arm) -> Iterator[Vector]:
                 in_joints(proof["goal"], 1, arm.turns) if flows else in_joints(row.end, PRINTED, arm.turns)
             )
         if "pose" in goal:
-            limits = [_CHOSEN, _CHOSEN] if flows else told["tolerance"]
+            limits = [_CHOSEN, _CHOSEN] if flows else [one / 10 for one in told["tolerance"]]
             _near(arm, point, goal, limits, f"{title}: the joints that were chosen for a pose, which")
         yield point
 

@@ -23,9 +23,9 @@ _HALVINGS = 12
 Shares = dict[str, Fraction]
 
 
-def check_limits(rows: Sequence[Moved], robot: dict[str, Any]) -> Shares:
+def check_limits(rows: Sequence[Moved], robot: dict[str, Any], notes: list[str]) -> Shares:
     """Check all segments against the limits of joints and motors; return the largest used share of each
-    limit.
+    limit, and add to `notes` the blends in which motions with a jerk limit have none.
 
     Segments of motions without a jerk limit, and of their blends, are not checked against the jerk limit.
     """
@@ -35,6 +35,14 @@ def check_limits(rows: Sequence[Moved], robot: dict[str, Any]) -> Shares:
             continue
         free_before = row.before is not None and _beside(rows, number, -1)
         free_behind = row.entry.blend is not None and _beside(rows, number, 1)
+        if not row.entry.any_jerk:
+            for free, blend, side in (
+                (free_before, row.before, "first"),
+                (free_behind, row.entry.blend, "last"),
+            ):
+                if free and blend:
+                    seconds = float(blend // 2 * row.seconds)
+                    notes.append(f"{row.entry.title}: the jerk in its {side} {seconds:.3f} s, in a blend")
         begin = row.first + (free_before and (row.before or 0) // 2)
         stop = row.last - (free_behind and (row.entry.blend or 0) // 2)
         judged = range(0) if row.entry.any_jerk else range(begin, stop)

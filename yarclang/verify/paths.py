@@ -42,6 +42,10 @@ _SAME = ONE >> 30
 """Largest error of a rotation at the end of its path: 1e-9 rad."""
 _ROUND = ONE >> 42
 """Largest error of an arc's points and roundness: 2e-13 m. The arc is then off by less than 1e-9 m."""
+_OPPOSITE = ONE >> 14
+"""Least angle by which a turn is less than half a turn: 6e-5 rad. If its start is off by this angle, a turn
+could go the other way round.
+"""
 STILL = ONE // 10**6
 """Lengths and angles below this are regarded as rounding errors [m or rad]."""
 _OPEN = ONE >> 8
@@ -268,10 +272,12 @@ def arc(start: Vector, goal: Vector, told: dict[str, Any], via: Vector) -> Curve
 
 
 def turn(start: list[Vector], goal: list[Vector], axis: Vector, angle: int) -> Curve:
-    """Return a frame's rotation by at most half a turn about a fixed axis, as the curve of the columns of R +
-    sin K R + (1 - cos) K^2 R, with K the cross-product matrix of the axis, and R the rotation at the start.
+    """Return a frame's rotation by less than half a turn about a fixed axis, as the curve of the columns of
+    R + sin K R + (1 - cos) K^2 R, with K the cross-product matrix of the axis, and R the rotation at the
+    start.
     """
-    need(abs(dot(axis, axis) - ONE) < _SAME and 0 <= angle <= PI + _SAME, "a turn without an axis")
+    need(abs(dot(axis, axis) - ONE) < _SAME and angle >= 0, "a turn without an axis")
+    need(angle <= PI - _OPPOSITE, "a turn so near to half a turn that its direction isn't certain")
     once = [cross(axis, column) for column in start]
     twice = [one for column in once for one in cross(axis, column)]
     middle = [a + b for a, b in zip(chain(*start), twice, strict=True)]

@@ -148,7 +148,9 @@ def _verify(text: bytes, proof: dict[str, Any], verdict: Verdict) -> None:
             f"{row.entry.title}: its jerk is free, and the proof doesn't say so",
         )
     _check_stands(content.start, robot)
-    shares = ", ".join(f"{what} {float(share):.3%}" for what, share in check_limits(rows, robot).items())
+    shares = ", ".join(
+        f"{what} {float(share):.3%}" for what, share in check_limits(rows, robot, verdict.exempt).items()
+    )
     verdict.checked.append(f"joints stay in their ranges; largest shares of limits: {shares}")
     for name in ("start", "outputs", "safe", "registers"):
         verdict.told.append(f"program {name}: {_shown(program[name])}")
@@ -160,7 +162,7 @@ def _verify(text: bytes, proof: dict[str, Any], verdict: Verdict) -> None:
             verdict.told.append(f"after {motion}: {deed}")
     low, full, words = content.marks
     verdict.told.append(f"guard: I16 {low} lines, I17 {full} lines, a buffer of {words} words")
-    _check_motions(rows, program, proof, arm, verdict)
+    _check_motions(rows, program, proof, arm, Fraction(1, 10**content.decimals), verdict)
     _list_later(content.registers, verdict)
     _check_bodies(rows, done, proof, arm, content.registers, verdict)
     _list_allowed(content.registers, proof["cell"]["bodies"], rows, verdict)
@@ -277,9 +279,14 @@ def _check_stands(start: tuple[int, ...], robot: dict[str, Any]) -> None:
 
 
 def _check_motions(
-    rows: list[Moved], program: dict[str, Any], proof: dict[str, Any], arm: Arm, verdict: Verdict
+    rows: list[Moved],
+    program: dict[str, Any],
+    proof: dict[str, Any],
+    arm: Arm,
+    digit: Fraction,
+    verdict: Verdict,
 ) -> None:
-    """Check each motion against its description in the proof."""
+    """Check each motion against its description in the proof; `digit` is the text's last digit."""
     for row, told in zip(rows, program["steps"], strict=True):
         title = row.entry.title
         _tell(title, told, verdict)
@@ -314,7 +321,7 @@ def _check_motions(
                 title += f" to {links[-1][0].entry.title}, {len(links)} motions that flow into each other"
             verdict.unchecked.append(f"{title}: path, goal, time and speed ({reason})")
         else:
-            verdict.unchecked += check_chain(links, proof["motions"], arm, verdict.told)
+            verdict.unchecked += check_chain(links, proof["motions"], arm, digit, verdict.told)
             if len(links) > 1:
                 flowing += len(links)
                 continue

@@ -155,11 +155,11 @@ def check_chain(
         found.append(_follow(row, told, proofs[str(row.entry.step)], arm, found[-1] if found else None))
         if isinstance(found[-1].path, Pieces) and any(goal["q"] is None for goal in told["through"]):
             goal = found[-1].path.goal
-            units = (
-                one * (180 if turns else 1000 * PI) / PI / ONE
-                for one, turns in zip(goal, arm.turns, strict=True)
+            pairs = zip(goal, arm.turns, strict=True)
+            said = [Fraction(one * 180, PI) if turns else Fraction(one * 1000, ONE) for one, turns in pairs]
+            notes.append(
+                f"{title} ends at the joint positions {' '.join(f'{float(one):.6g}' for one in said)}"
             )
-            notes.append(f"{title} ends at the joint positions {' '.join(f'{one:.6g}' for one in units)}")
     first, last = found[0], found[-1]
     begins = first.begin == chain[0][0].first and first.shares[0] == 0
     ends = last.end == chain[-1][0].last and last.shares[1] == ONE

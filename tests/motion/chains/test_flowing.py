@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from yarclang.independent.arm import Arm
 from yarclang.independent.reading import overlaps, read, shares
+from yarclang.motion.chains.flowing.kept import claimed_shares, without_dips
 from yarclang.motion.chains.flowing.law import Law
 from yarclang.motion.chains.flowing.turns import angle_between, matrices, product, quaternions, steadied
 
@@ -251,3 +252,47 @@ def test_a_faster_motion_begins_only_after_the_slower_one(lines, robot, step):
     speeds = np.linalg.norm(np.diff(p, axis=0), axis=1) / (executed.segment / 8)
     assert 0.9 * 50 < speeds[-1] < 50 * (1 + 1e-3)
     assert speeds.max() < 50 * (1 + 1e-3)
+
+
+OUT = """P0010 MOVEJ_RPY -1 1173.97 1176 0 0 0 [5]
+P0020 MOVEL_SPLINE -1 1115 1150.3 -6.5 2.6 6.3; 14.043 1188.5 1184.77 -1.1 7.1 1.8; 109 1185.6 1289 0 -4.5 0 [V 60] BLEND <=20
+P0030 MOVEL -1.3 1175 1174.6 4.6 0 2.9 [V<=300]
+"""  # noqa: E501
+BACK = """P0010 MOVEJ_RPY -1.3 1175 1174.6 4.6 0 2.9 [5]
+P0020 MOVEL 109 1185.6 1289 0 -4.5 0 [V<=300] BLEND <=20
+P0030 MOVEL_SPLINE 14.043 1188.5 1184.77 -1.1 7.1 1.8; -1 1115 1150.3 -6.5 2.6 6.3; -1 1173.97 1176 0 0 0 [V 60]
+"""  # noqa: E501
+
+
+@pytest.mark.parametrize(("lines", "place"), [(OUT, 1), (BACK, 2)])
+def test_the_speed_at_a_corner_is_no_claim_for_a_slower_part_of_the_way(lines, place):
+    """A curve turns so much on a part of its way that it slows down there, and is faster both before this
+    part and after it. It keeps only the speed of this part, however fast it is at the corner.
+    """
+    made, found = compiled("DEFAULT {TCP} [2] (mm,deg,s) {B}\n" + lines)
+    assert made is not None, [(one.code, one.message) for one in found if one.is_error]
+    motion = made.plan.motions[place]
+    arm = Arm.in_folder(robot_of("INDUSTRIAL6").folder)
+    executed = read(made.text)[1][motion.step]
+    p, _ = arm.poses(executed.sample())
+    speeds = np.linalg.norm(np.diff(p, axis=0), axis=1) / (executed.segment / 8)
+    reached = np.flatnonzero(speeds >= 60.0 * motion.least)
+    assert speeds[reached[0] : reached[-1] + 1].min() > 0.998 * 60.0 * motion.least
+    assert speeds.max() > 59.0  # so the slower part is a dip
+
+
+@given(
+    st.lists(st.floats(0.02, 1.0), min_size=1, max_size=60),
+    st.sampled_from([(True, True), (True, False), (False, True)]),
+)
+def test_what_is_claimed_has_no_dip(speeds, rests):
+    """From the first sample at the claimed speed to the last one, no sample is slower. At an end at which the
+    motion doesn't rest, it has its speed from the beginning or up to the end.
+    """
+    values = np.array(speeds)
+    claim = float(claimed_shares(np.array(without_dips(values, np.array(rests)))))
+    reached = np.flatnonzero(values >= claim)
+    begin, end = (reached[0] if rests[0] else 0), (reached[-1] + 1 if rests[1] else len(values))
+    assert values[begin:end].min() >= (1.0 - 1e-3) * claim
+    if (np.diff(values) >= 0).all() and rests == (True, False):
+        assert claim >= 0.5 * values[-5:].min()  # a motion that only speeds up claims what it has at its end

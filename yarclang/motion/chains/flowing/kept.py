@@ -27,9 +27,9 @@ _PARTS = np.array([0.25, 0.5, 0.75])
 _STEADY = 2e-4
 """Relative change from one sample to the next below which a speed counts as constant."""
 _ASIDE = 4
-"""Number of samples, half a segment apart, beside a corner that don't count when the kept speed is
-determined.
-"""
+"""Number of samples, half a segment apart, beside a corner whose speeds are kept too."""
+_REACHED = 2e-3
+"""Share by which a speed may be missed and still counts as reached. It is more than the certificate uses."""
 
 
 def least_speeds(
@@ -67,20 +67,18 @@ def least_speeds(
     share = _least_between(speed, begin, end) / asked
     rests = _rests(limits, halves, seams)
     for place in np.flatnonzero(rests.any(axis=0) & is_asked).tolist():
-        speeds = speed[begin[place] : end[place]]
-        # Find the largest speed that the motion keeps from the time at which it reaches this speed. If the
-        # motion rests at only one end, this is the maximum of the running minimum from the other end.
-        if rests[:, place].all():
-            speeds = _without_dips(speeds)
-        elif rests[0, place]:
-            speeds = np.minimum.accumulate(speeds[::-1])[_ASIDE:]
-        else:
-            speeds = np.minimum.accumulate(speeds)[_ASIDE:]
-        share[place] = speeds.max() / asked[place] if len(speeds) else np.inf
-    # Claim a little less than was sampled. If the speed changes, claim much less, since bounds are less sharp
-    # then.
-    claimed = np.where(share > _NEARLY, _HOLDS * share, np.maximum(_ABOUT * share - _LESS, 0.5 * share))
-    return np.where(is_asked, np.minimum(claimed, 1.0), 1.0)
+        speeds = speed[begin[place] : end[place]] / asked[place]
+        share[place] = without_dips(speeds, rests[:, place]) if len(speeds) else np.inf
+    return np.where(is_asked, np.minimum(claimed_shares(share), 1.0), 1.0)
+
+
+def claimed_shares(share: Array) -> Array:
+    """Return shares of speed (N,) that are a little less than the sampled ones.
+
+    If the speed changes, they are much less, since bounds are less sharp then.
+    """
+    found: Array = np.where(share > _NEARLY, _HOLDS * share, np.maximum(_ABOUT * share - _LESS, 0.5 * share))
+    return found
 
 
 def _least_between(values: Array, begin: Numbers, end: Numbers) -> Array:
@@ -104,21 +102,39 @@ def _rests(limits: Limits, halves: Numbers, seams: tuple[bool, bool]) -> NDArray
     return np.array([[not seams[0], *(sharp & slower)], [*(sharp & faster), not seams[1]]])
 
 
-def _without_dips(speed: Array) -> Array:
-    """Return the speeds (N,), limited to the highest level without dips: between the first and the last time
-    at which this level is reached, the speed never falls below the level.
+def without_dips(speed: Array, rests: NDArray[np.bool_]) -> float:
+    """Return the highest level without dips: from the time at which a motion reaches it to the time at which
+    the motion slows down, the speed never falls below this level.
 
-    Dips of less than the share `_STEADY` below the largest speed don't count.
+    The time begins before the samples if the motion neither begins at rest nor after a slower motion. It ends
+    after the samples if the motion neither ends at rest nor before a slower motion. A speed that falls by
+    less than the share `_STEADY` isn't a dip.
+
+    Args:
+        speed: (N,) the speeds of a motion, as shares of its requested speed.
+        rests: two flags: True if the motion begins at rest or after a slower motion, and True if it ends at
+            rest or before a slower motion.
     """
-    # For each sample, take the largest speed up to it and the largest from it on; `around` is the lower of
-    # these two. At a dip, the speed is below `around`.
-    around = np.minimum(np.maximum.accumulate(speed), np.maximum.accumulate(speed[::-1])[::-1])
-    least, dips = np.inf, np.inf
-    top = (1.0 - _STEADY) * speed.max(initial=0.0)
-    while dips < least or least == np.inf:
-        least = min(top, dips)
-        dips = speed[(speed < around) & (around >= least)].min(initial=least)
-    return np.minimum(speed, least)
+    # For each sample, take the largest speed up to it and the largest from it on, each on a side on which the
+    # motion rests; `around` is the lower of these two. At a dip, the speed is below `around`.
+    around = np.full(len(speed), np.inf)
+    least = (1.0 - _STEADY) * float(speed.max())
+    if rests[0]:
+        around = np.maximum.accumulate(speed)
+    if rests[1]:
+        around = np.minimum(around, np.maximum.accumulate(speed[::-1])[::-1])
+    if not rests.all():
+        # The motion keeps its speed at one end: the level is no higher than the speeds beside this end.
+        least = float((speed[-_ASIDE - 1 :] if rests[0] else speed[: _ASIDE + 1]).min())
+    while True:
+        # The motion reaches the claimed speed before it reaches the level, which is higher. A dip in between
+        # counts as well.
+        reached = around >= (1.0 - _REACHED) * float(claimed_shares(np.array(least)))
+        is_dip = speed < (1.0 - _STEADY) * around
+        lowest = float(speed[reached & is_dip].min(initial=np.inf))
+        if lowest >= least:
+            return least
+        least = lowest
 
 
 def _least_around(way: Way, points: Sampled, segment: float, times: Array, speed: Array) -> Array:

@@ -102,7 +102,9 @@ def test_bounds_hold_whatever_the_controller_executes(job, steps, pace):
         assert feed.at_least(now) <= controller.ahead
         assert feed.left == len(job.lines) - len(received)
         assert tuple(received) == job.lines[: len(received)]
-        assert feed.executed <= max(0, controller.taken - AHEAD)
+        least, most = feed.executed_within(now)
+        assert least == feed.executed <= max(0, controller.taken - AHEAD)
+        assert controller.taken <= most <= feed.sent
 
     while packet := feed.packet():
         received += packet
@@ -163,6 +165,35 @@ def test_a_packet_is_worth_it_where_it_is_full_or_the_last_or_lines_are_few():
     assert not feed.worthwhile(1.0)
     # A second later, the buffer may be almost empty.
     assert feed.worthwhile(2.0)
+
+
+def test_a_packet_is_worth_it_where_the_buffer_may_have_less_than_plenty():
+    """Lines without moves can empty the buffer from `plenty` to the low mark at once."""
+    job = job_of([0] * 200, words=400)
+    feed = Feed(job)
+    while feed.packet():
+        feed.written(len(feed.packet()))
+    feed.heard(feed.plenty - 1, 1.0, 1.0)
+    assert loading_of(job).full < feed.at_least(1.0)
+    assert len(feed.packet()) == feed.room, "not a full packet"
+    assert feed.worthwhile(1.0)
+    feed.heard(feed.plenty, 1.0, 1.0)
+    assert not feed.worthwhile(1.0)
+
+
+@pytest.mark.parametrize(("gaps", "dry"), [([90] * 3, True), ([90, 0, 0], False), ([0, 0, 0], False)])
+def test_a_buffer_runs_dry_only_between_moves(gaps, dry):
+    """Before the first move and after the last one, an empty buffer is only filled again."""
+    job = job_of(gaps)
+    job = replace(job, lines=(*job.lines, *["P1=1"] * 90), times=np.append(job.times, [job.duration] * 90))
+    feed, ran = Feed(job), []
+    while feed.left:
+        feed.written(len(feed.packet()))
+        feed.heard(0, 0.0, 0.0)
+        ran.append(feed.ran_dry)
+    assert any(ran) == dry
+    assert not ran[-1]
+    assert not feed.runs_low(1e9)
 
 
 def test_few_lines_ahead_are_low_water_and_before_that_hunger():

@@ -92,7 +92,7 @@ class Feed:
         taken = int((now - self._asked_then) / self.job.segment) + 1 + AHEAD
         # Number of moves before the first line that was ahead at the last `PR`, plus the number of moves that
         # may have left the buffer since.
-        behind = int(np.searchsorted(self._moves, self._sent_then - self._ahead)) + taken
+        behind = self._moves_before(self._sent_then - self._ahead) + taken
         if behind > len(self._moves):
             return 0
         return max(0, self.sent - int(self._moves[behind - 1]) - 1)
@@ -118,11 +118,16 @@ class Feed:
         """Return the minimum and the maximum number of lines that the controller may have executed by now, at
         any override.
 
+        Only moves take time: the controller may have executed all lines before the first move for which the
+        time wasn't long enough.
+
         Args:
             now: the host's clock [s].
         """
         taken = int(FASTEST * (now - self._asked_then) / self.job.segment) + 1 + AHEAD
-        return self.executed, self.executed + AHEAD + taken
+        behind = self._moves_before(self._sent_then - self._ahead) + taken
+        most = self.sent if behind >= len(self._moves) else min(self.sent, int(self._moves[behind]))
+        return self.executed, most
 
     def heard(self, ahead: int, asked_at: float, now: float) -> None:
         """Record the controller's answer to `PR`.
@@ -149,13 +154,13 @@ class Feed:
 
     def worthwhile(self, now: float) -> bool:
         """Return True if a packet should be sent now: if a full packet fits into the buffer, if the rest of
-        the program fits, or if few lines are left in the buffer.
+        the program fits, or if the buffer may contain fewer than `plenty` lines.
         """
         packet = self.packet()
         if not packet:
             return False
         whole = len(packet) == self.left or len(packet) < self.room
-        return whole or self.at_least(now) < loading_of(self.job).full
+        return whole or self.at_least(now) < self.plenty
 
     def hungry(self, now: float) -> bool:
         """Return True if the buffer may contain fewer than `plenty` lines, so that their number has to be
@@ -164,10 +169,26 @@ class Feed:
         return self.left > 0 and self.at_least(now) < self.plenty
 
     def runs_low(self, now: float) -> bool:
-        """Return True if the buffer may soon lack lines: the program has begun and has unsent lines, and too
+        """Return True if the buffer may soon lack lines: the program has begun and has unsent moves, and too
         few lines are in the buffer.
+
+        If no unsent line moves the robot, the buffer may run empty: the robot comes to rest at the end of its
+        last move.
         """
-        return self.left > 0 and self.at_least(now) < self.low
+        return self._moves_before(self.sent) < len(self._moves) and self.at_least(now) < self.low
+
+    @property
+    def ran_dry(self) -> bool:
+        """Return True if the buffer has run empty in the middle of the motion: the robot has begun to move,
+        and unsent lines move it further.
+
+        A buffer that has run empty before the first move or after the last one is only filled again.
+        """
+        return self.at_most == 0 and 0 < self._moves_before(self.sent) < len(self._moves)
+
+    def _moves_before(self, lines: int) -> int:
+        """Return the number of moves among the first `lines` lines of the job."""
+        return int(np.searchsorted(self._moves, lines))
 
 
 def _moves(job: Job) -> IntArray:

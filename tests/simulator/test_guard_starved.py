@@ -9,8 +9,11 @@ import pytest
 from programs import compiled
 from simulator.machines import feed, lines_of, robot_machine, say
 
+from yarclang.pipeline.jobs import job_of_compiled
 from yarclang.pmac.variables import ARMED
 from yarclang.robot.actuation import from_counts, to_counts
+from yarclang.runtime.pmac.feed import Feed
+from yarclang.simulator.programs import plcs
 
 BEGIN = "OUTPUT A M20\nDEFAULT {TCP} (mm,deg,s) {B}\nP0010 MOVEJ_RPY 0 1174.4 1176 0 0 0 [4]\n"
 SETS = "".join(f"P{100 + k:04d} SET A {('ON', 'OFF')[k % 2]}\n" for k in range(24))
@@ -52,3 +55,22 @@ def test_the_robot_stops_on_its_path(motions):
         away, by_guard = off_path(value, last)
         assert by_guard, last
         assert away < 2e-5, last
+
+
+@pytest.mark.parametrize("tm", [50, 20])
+def test_the_host_fails_before_the_last_packet_and_the_guard_is_late(tm, monkeypatch):
+    """The runtime sends the last moves in one packet. So if they are missing, the guard holds, even if its
+    PLC runs only every 0.1 s.
+    """
+    monkeypatch.setattr(plcs, "SCAN", 0.1)
+    value, _ = compiled("DEFAULT (deg,s)\nP0010 MOVEJ 40 0 0 0 0 0 [5]\n" + END, tm=tm)
+    lines, feeding, last = lines_of(value.text), Feed(job_of_compiled(value, "test")), 0
+    while feeding.left:
+        if packet := feeding.packet():
+            last = len(packet)
+            feeding.written(last)
+        feeding.heard(feeding.at_most - 1, 0.0, 0.0)
+    assert lines[-1] == "CLOSE"
+    for late in (0, 1):
+        away, _ = off_path(value, len(lines) - 1 - last - late)
+        assert away < 2e-5, late

@@ -4,11 +4,13 @@ the time is an argument.
 
 from __future__ import annotations
 
+import math
 from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
+from yarclang.pmac.variables import ARMED
 from yarclang.runtime.job import Job
 from yarclang.runtime.pmac.loading import loading_of
 from yarclang.runtime.pmac.packets import fitting
@@ -27,6 +29,9 @@ FASTEST = 2.5
 """Upper bound of the speed at which a controller executes a program, relative to the programmed speed. The
 controller's largest override is less (TSRM 276).
 """
+
+_DISARMS = f"{ARMED}=0"
+"""Line that disarms the guard, near the end of a job that arms it."""
 
 _LATE = 0.1
 """Time by which the host may be late before the guard PLC holds [s]."""
@@ -62,6 +67,8 @@ class Feed:
         """
         self.plenty = (loading_of(job).full + job.capacity) // 2
         """If fewer lines are ahead, sending more lines takes precedence over everything else."""
+        last = _last_lines(job, self._moves)
+        self._last = last if job.capacity - last > self.plenty else 0
 
     @property
     def left(self) -> int:
@@ -141,11 +148,15 @@ class Feed:
         self._asked_then, self._then = asked_at, now
 
     def packet(self) -> tuple[str, ...]:
-        """Return the next lines for the controller, as many as fit into the buffer and into a packet."""
+        """Return the next lines for the controller, as many as fit into the buffer and into a packet. The
+        last lines of the job (`_last_lines`) are sent in one packet, once there is room for all of them.
+        """
         most = min(self.room, self.left)
         if most <= 0:
             return ()
         count = min(most, fitting(self.job.lines, self.sent, AROUND))
+        if 0 < self.left - count < self._last:
+            count = max(0, self.left - self._last)
         return self.job.lines[self.sent : self.sent + count]
 
     def written(self, count: int) -> None:
@@ -200,3 +211,23 @@ def _moves(job: Job) -> IntArray:
     lasts = np.diff(np.append(job.times, job.duration)) > 0.0
     lasts[[row for row, _ in job.dwells]] = False
     return np.flatnonzero(lasts & (job.times > 0.0))
+
+
+def _last_lines(job: Job, moves: IntArray) -> int:
+    """Return the number of lines at the end of a job that are sent in one packet: those of the moves that
+    begin within `_LATE`, and of `AHEAD` and one more move. If they don't fit into a packet, as many lines as
+    fit.
+
+    The guard is disarmed a few moves before the end. If this computer failed when only a few lines are
+    missing, the guard could notice this too late: it would be disarmed already, and the robot would come to
+    rest off its path. If at least these moves are missing, the guard holds in time.
+    """
+    if _DISARMS not in job.lines:
+        return 0
+    needed = math.ceil(_LATE / job.segment) + AHEAD + 1
+    if len(moves) < needed:
+        return 0
+    count = len(job.lines) - int(moves[-needed])
+    while fitting(job.lines, len(job.lines) - count, AROUND) < count:
+        count -= 1
+    return count

@@ -50,6 +50,8 @@ PROGRAMS = {
     "more than the rest of the program": between(100, before=2, after=0.6, angle=22),
     "at the end": BEGIN.format(6) + sets(70) + END,
     "at the start": "OUTPUT A M20\nDEFAULT (deg,s)\n" + sets(90) + MOVE.format(800, 2, 0.6) + END,
+    "before a long motion": "OUTPUT A M20\nDEFAULT (deg,s)\n" + sets(90) + MOVE.format(800, 20, 6) + END,
+    "after a barrier": BEGIN.format(1) + "P0020 WAIT [0.5]\n" + sets(90) + MOVE.format(800, 40, 6) + END,
     "in a blend": IN_A_BLEND,
 }
 
@@ -161,11 +163,37 @@ def test_the_guard_is_disarmed_where_the_last_lines_are_in_the_buffer(name, line
     assert (not refused(PROGRAMS[name], forged)) == allowed
 
 
+@pytest.mark.parametrize("count", [0, 1, 12, 90, 200])
+def test_the_buffer_has_room_for_the_lines_before_the_first_move(count):
+    """The controller executes them at once when the motion begins, and the moves must be in the buffer then.
+    Without such lines, the mark is that of the moves.
+    """
+    text, _ = made("OUTPUT A M20\nDEFAULT (deg,s)\n" + sets(count) + MOVE.format(800, 60, 12) + END)
+    needed = mark(made(PROGRAMS["none"])[0], "I16")
+    assert mark(text, "I16") == needed + count
+    assert "P8100=1" in text
+    capacity = int(re.search(r"(?m)^DEFINE ROT (\d+)$", text)[1]) // 8
+    assert capacity >= count + 2 * mark(text, "I16")
+    assert faults(text) == []
+
+
+@pytest.mark.parametrize("count", [0, 12, 70, 200])
+def test_the_guard_is_disarmed_before_the_lines_after_the_last_move(count):
+    """Else it would hold a robot that has arrived: these lines leave the buffer at once."""
+    text, _ = made(BEGIN.format(12) + sets(count) + END)
+    lines = text.split("\n")
+    last = max(place for place, line in enumerate(lines) if line.startswith("X"))
+    assert lines.index("P8100=0") - 1 <= last
+    assert faults(text) == []
+
+
 def test_programs_by_chance():
     draw = random.Random(25)
     guarded = widened = 0
     for _ in range(40):
         program, at = BEGIN.format(draw.choice([1, 2, 4])), 100
+        if draw.random() < 0.3:
+            program = program.replace("P0010", sets(draw.choice([1, 7, 40]), 10) + "P0099")
         angle = 20
         for _ in range(draw.randint(1, 6)):
             count = draw.choice([0, 1, 2, 5, 12, 30])

@@ -2,28 +2,32 @@
 lines. It sends each line once and in order, whatever the controller executes in the meantime.
 """
 
+import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from runtime.virtual import prepared
+from runtime.virtual import example_of, prepared
 
-from yarclang.runtime.pmac.feed import AHEAD, Feed
+from yarclang.runtime.pmac.feed import AHEAD, AROUND, Feed
 from yarclang.runtime.pmac.loading import Loading, capacity_of, loading_of
 from yarclang.runtime.pmac.packets import fitting
 
 SEGMENT = 0.01
 
 
-def job_of(gaps, words=480):
+def job_of(gaps, words=480, guarded=False):
     """Return a job of moves that take `SEGMENT` each. `gaps` has the number of lines without a duration
-    before each move.
+    before each move. If `guarded`, a line disarms the guard before the last 15 moves.
     """
     model, _ = prepared()
     lines, times = [], []
     for number, gap in enumerate(gaps, 1):
+        if guarded and number == max(1, len(gaps) - 14):
+            lines.append("P8100=0")
+            times.append(0.0 if number == 1 else number * SEGMENT)
         lines += [f"P{n}=0" for n in range(gap)] + [f"X{number}.123456Y{number}.123456Z0A0B0C0"]
         times += [0.0 if number == 1 else number * SEGMENT] * gap + [number * SEGMENT]
     return replace(
@@ -81,6 +85,7 @@ JOBS = st.builds(
     job_of,
     st.lists(st.integers(0, 3), min_size=1, max_size=200),
     st.integers(160, 700),
+    st.booleans(),
 )
 STEPS = st.lists(
     st.tuples(st.sampled_from(["write", "ask", "wait"]), st.floats(0.0, 0.3)), min_size=1, max_size=60
@@ -102,7 +107,9 @@ def test_bounds_hold_whatever_the_controller_executes(job, steps, pace):
         assert feed.at_least(now) <= controller.ahead
         assert feed.left == len(job.lines) - len(received)
         assert tuple(received) == job.lines[: len(received)]
-        assert feed.executed <= max(0, controller.taken - AHEAD)
+        least, most = feed.executed_within(now)
+        assert least == feed.executed <= max(0, controller.taken - AHEAD)
+        assert controller.taken <= most <= feed.sent
 
     while packet := feed.packet():
         received += packet
@@ -165,6 +172,73 @@ def test_a_packet_is_worth_it_where_it_is_full_or_the_last_or_lines_are_few():
     assert feed.worthwhile(2.0)
 
 
+def test_a_packet_is_worth_it_where_the_buffer_may_have_less_than_plenty():
+    """Lines without moves can empty the buffer from `plenty` to the low mark at once."""
+    job = job_of([0] * 200, words=400)
+    feed = Feed(job)
+    while feed.packet():
+        feed.written(len(feed.packet()))
+    feed.heard(feed.plenty - 1, 1.0, 1.0)
+    assert loading_of(job).full < feed.at_least(1.0)
+    assert len(feed.packet()) == feed.room, "not a full packet"
+    assert feed.worthwhile(1.0)
+    feed.heard(feed.plenty, 1.0, 1.0)
+    assert not feed.worthwhile(1.0)
+
+
+@pytest.mark.parametrize(("gaps", "dry"), [([90] * 3, True), ([90, 0, 0], False), ([0, 0, 0], False)])
+def test_a_buffer_runs_dry_only_between_moves(gaps, dry):
+    """Before the first move and after the last one, an empty buffer is only filled again."""
+    job = job_of(gaps)
+    job = replace(job, lines=(*job.lines, *["P1=1"] * 90), times=np.append(job.times, [job.duration] * 90))
+    feed, ran = Feed(job), []
+    while feed.left:
+        feed.written(len(feed.packet()))
+        feed.heard(0, 0.0, 0.0)
+        ran.append(feed.ran_dry)
+    assert any(ran) == dry
+    assert not ran[-1]
+    assert not feed.runs_low(1e9)
+
+
+def all_packets(job):
+    """Return the packets of a job if the controller takes one line at a time, and only when the feed waits.
+    Meanwhile the buffer never falls to the mark at which this computer holds.
+    """
+    feed, packets, ahead = Feed(job), [], 0
+    while feed.left:
+        if packet := feed.packet():
+            packets.append(packet)
+            feed.written(len(packet))
+            ahead += len(packet)
+        else:
+            ahead -= 1
+            assert ahead > feed.low
+            feed.heard(ahead, 0.0, 0.0)
+    assert tuple(line for packet in packets for line in packet) == job.lines
+    return packets
+
+
+@pytest.mark.parametrize("tm", [5, 10, 20, 50])
+def test_the_last_moves_are_sent_in_one_packet(tm):
+    """If the computer fails before the last packet, so much is missing that the guard holds in time."""
+    job, _ = example_of("INDUSTRIAL6", tm=tm)
+    assert "P8100=0" in job.lines
+    last = all_packets(job)[-1]
+    moves = sum(line.startswith("X") for line in last)
+    full = fitting(job.lines, len(job.lines) - len(last) - 1, AROUND) <= len(last)
+    assert moves >= math.ceil(0.1 / job.segment) + 3 or full
+
+
+def test_lines_after_the_last_move_do_not_make_the_feed_wait():
+    lines = job_of([0] * 100 + [50], guarded=True)
+    assert len(all_packets(lines)) > 3
+    text = "OUTPUT A M20\nDEFAULT (deg,s)\nP0001 MOVEJ 40 0 0 0 0 0 [9]\n"
+    job, _ = prepared(text + "".join(f"P{n:04d} SET A {'ON' if n % 2 else 'OFF'}\n" for n in range(10, 210)))
+    assert "P8100=0" in job.lines
+    assert len(all_packets(job)[-1]) > 5
+
+
 def test_few_lines_ahead_are_low_water_and_before_that_hunger():
     job = job_of([0] * 200, words=800)
     feed = Feed(job)
@@ -180,8 +254,6 @@ def test_few_lines_ahead_are_low_water_and_before_that_hunger():
 @pytest.mark.parametrize("robot", ["INDUSTRIAL6", "TRACKED_MANIPULATOR"])
 @pytest.mark.parametrize("tm", [5, 20, 50])
 def test_the_buffer_of_a_compiled_program_is_large_enough(robot, tm):
-    from runtime.virtual import example_of
-
     job, _ = example_of(robot, tm=tm)
     feed = Feed(job)
     assert job.capacity * job.segment > 0.99

@@ -28,6 +28,11 @@ _AHEAD = 2
 _OPENING = 5
 """Number of lines of a text between `CLEAR` and its first TM (`emit.py`)."""
 
+_BEGINNING = 6
+"""Number of lines with which a stretch begins before its first move: the text's opening or a `Stand`, and
+TM.
+"""
+
 
 @frozen
 class Watermarks:
@@ -99,10 +104,15 @@ class _Stretch:
     def low(self, moves: int) -> int:
         """Return the number of lines in which a hold finds `moves` moves, or all that are left, wherever it
         begins.
+
+        The controller executes all lines before the first move at once. If there are more of them than the
+        lines with which any stretch begins, they count too, so that the buffer has room for them and for the
+        moves. It executes all lines after the last move at once, too, so the guard has to be disarmed before
+        them: else it would hold a robot that has arrived.
         """
-        before = np.append(self.moves[0] - 1, self.moves[:-1])
+        before = np.append(min(self.moves[0] - 1, _BEGINNING), self.moves[:-1])
         last = np.minimum(np.arange(len(self.moves)) + moves - 1, len(self.moves) - 1)
-        return int(np.max(self.moves[last] - before))
+        return max(int(np.max(self.moves[last] - before)), self.lines - int(self.moves[-1]) - _AHEAD)
 
     def guarded(self, marks: Watermarks) -> Iterator[Item]:
         """Yield the items, with the guard armed before the first move and disarmed where the last lines are

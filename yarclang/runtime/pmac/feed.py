@@ -4,11 +4,13 @@ the time is an argument.
 
 from __future__ import annotations
 
+import math
 from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
+from yarclang.pmac.variables import ARMED
 from yarclang.runtime.job import Job
 from yarclang.runtime.pmac.loading import loading_of
 from yarclang.runtime.pmac.packets import fitting
@@ -27,6 +29,9 @@ FASTEST = 2.5
 """Upper bound of the speed at which a controller executes a program, relative to the programmed speed. The
 controller's largest override is less (TSRM 276).
 """
+
+_DISARMS = f"{ARMED}=0"
+"""Line that disarms the guard, near the end of a job that arms it."""
 
 _LATE = 0.1
 """Time by which the host may be late before the guard PLC holds [s]."""
@@ -62,6 +67,8 @@ class Feed:
         """
         self.plenty = (loading_of(job).full + job.capacity) // 2
         """If fewer lines are ahead, sending more lines takes precedence over everything else."""
+        last = _last_lines(job, self._moves)
+        self._last = last if job.capacity - last > self.plenty else 0
 
     @property
     def left(self) -> int:
@@ -92,7 +99,7 @@ class Feed:
         taken = int((now - self._asked_then) / self.job.segment) + 1 + AHEAD
         # Number of moves before the first line that was ahead at the last `PR`, plus the number of moves that
         # may have left the buffer since.
-        behind = int(np.searchsorted(self._moves, self._sent_then - self._ahead)) + taken
+        behind = self._moves_before(self._sent_then - self._ahead) + taken
         if behind > len(self._moves):
             return 0
         return max(0, self.sent - int(self._moves[behind - 1]) - 1)
@@ -118,11 +125,16 @@ class Feed:
         """Return the minimum and the maximum number of lines that the controller may have executed by now, at
         any override.
 
+        Only moves take time: the controller may have executed all lines before the first move for which the
+        time wasn't long enough.
+
         Args:
             now: the host's clock [s].
         """
         taken = int(FASTEST * (now - self._asked_then) / self.job.segment) + 1 + AHEAD
-        return self.executed, self.executed + AHEAD + taken
+        behind = self._moves_before(self._sent_then - self._ahead) + taken
+        most = self.sent if behind >= len(self._moves) else min(self.sent, int(self._moves[behind]))
+        return self.executed, most
 
     def heard(self, ahead: int, asked_at: float, now: float) -> None:
         """Record the controller's answer to `PR`.
@@ -136,11 +148,15 @@ class Feed:
         self._asked_then, self._then = asked_at, now
 
     def packet(self) -> tuple[str, ...]:
-        """Return the next lines for the controller, as many as fit into the buffer and into a packet."""
+        """Return the next lines for the controller, as many as fit into the buffer and into a packet. The
+        last lines of the job (`_last_lines`) are sent in one packet, once there is room for all of them.
+        """
         most = min(self.room, self.left)
         if most <= 0:
             return ()
         count = min(most, fitting(self.job.lines, self.sent, AROUND))
+        if 0 < self.left - count < self._last:
+            count = max(0, self.left - self._last)
         return self.job.lines[self.sent : self.sent + count]
 
     def written(self, count: int) -> None:
@@ -149,13 +165,13 @@ class Feed:
 
     def worthwhile(self, now: float) -> bool:
         """Return True if a packet should be sent now: if a full packet fits into the buffer, if the rest of
-        the program fits, or if few lines are left in the buffer.
+        the program fits, or if the buffer may contain fewer than `plenty` lines.
         """
         packet = self.packet()
         if not packet:
             return False
         whole = len(packet) == self.left or len(packet) < self.room
-        return whole or self.at_least(now) < loading_of(self.job).full
+        return whole or self.at_least(now) < self.plenty
 
     def hungry(self, now: float) -> bool:
         """Return True if the buffer may contain fewer than `plenty` lines, so that their number has to be
@@ -164,10 +180,26 @@ class Feed:
         return self.left > 0 and self.at_least(now) < self.plenty
 
     def runs_low(self, now: float) -> bool:
-        """Return True if the buffer may soon lack lines: the program has begun and has unsent lines, and too
+        """Return True if the buffer may soon lack lines: the program has begun and has unsent moves, and too
         few lines are in the buffer.
+
+        If no unsent line moves the robot, the buffer may run empty: the robot comes to rest at the end of its
+        last move.
         """
-        return self.left > 0 and self.at_least(now) < self.low
+        return self._moves_before(self.sent) < len(self._moves) and self.at_least(now) < self.low
+
+    @property
+    def ran_dry(self) -> bool:
+        """Return True if the buffer has run empty in the middle of the motion: the robot has begun to move,
+        and unsent lines move it further.
+
+        A buffer that has run empty before the first move or after the last one is only filled again.
+        """
+        return self.at_most == 0 and 0 < self._moves_before(self.sent) < len(self._moves)
+
+    def _moves_before(self, lines: int) -> int:
+        """Return the number of moves among the first `lines` lines of the job."""
+        return int(np.searchsorted(self._moves, lines))
 
 
 def _moves(job: Job) -> IntArray:
@@ -179,3 +211,23 @@ def _moves(job: Job) -> IntArray:
     lasts = np.diff(np.append(job.times, job.duration)) > 0.0
     lasts[[row for row, _ in job.dwells]] = False
     return np.flatnonzero(lasts & (job.times > 0.0))
+
+
+def _last_lines(job: Job, moves: IntArray) -> int:
+    """Return the number of lines at the end of a job that are sent in one packet: those of the moves that
+    begin within `_LATE`, and of `AHEAD` and one more move. If they don't fit into a packet, as many lines as
+    fit.
+
+    The guard is disarmed a few moves before the end. If this computer failed when only a few lines are
+    missing, the guard could notice this too late: it would be disarmed already, and the robot would come to
+    rest off its path. If at least these moves are missing, the guard holds in time.
+    """
+    if _DISARMS not in job.lines:
+        return 0
+    needed = math.ceil(_LATE / job.segment) + AHEAD + 1
+    if len(moves) < needed:
+        return 0
+    count = len(job.lines) - int(moves[-needed])
+    while fitting(job.lines, len(job.lines) - count, AROUND) < count:
+        count -= 1
+    return count

@@ -100,7 +100,7 @@ class LiveStream:
         operation, job = self.operation, self.job
         operation.go(Event.LOAD, f"loading {job.name}")
         yield from self.supervision.check()
-        for line in loading_of(job).setup:
+        for line in loading_of(job).preparing:
             yield from operation.ask(line)
         yield from operation.ask(f"%{100.0 * operation.override:g}")
         for line in ("OPEN ROT", "CLEAR", "CLOSE"):

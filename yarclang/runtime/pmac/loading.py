@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from yarclang.pmac.variables import OUTPUTS_PLC
 from yarclang.robot.model import Robot
 from yarclang.runtime.job import Job
 
@@ -23,6 +24,16 @@ class Loading:
     words: int
     low: int
     full: int
+
+    @property
+    def preparing(self) -> tuple[str, ...]:
+        """Return the lines that prepare the controller for the job: those of `setup`. If the job has no PLC
+        for its outputs, the PLC of an earlier job is disabled, which would set that job's outputs after a
+        hold by the guard.
+        """
+        if any(line.startswith(f"OPEN PLC {OUTPUTS_PLC} ") for line in self.setup):
+            return self.setup
+        return (*self.setup, f"DISABLE PLC {OUTPUTS_PLC}")
 
 
 def loading_of(job: Job) -> Loading:

@@ -60,7 +60,7 @@ class Rotary:
                 f"at least {_SHORTEST:g} s are needed",
                 "compile the program again: yarcc selects the size",
             )
-        for line in loading_of(job).setup:
+        for line in loading_of(job).preparing:
             yield from self.operation.ask(line)
 
     def write(self) -> Script[None]:
@@ -103,12 +103,13 @@ class Rotary:
         return flow
 
     def check_full(self) -> Script[None]:
-        """Check that the buffer hasn't run empty in motion.
+        """Check that the buffer hasn't run empty in motion. Before the first move and after the last one the
+        robot is at rest on its path, so there an empty buffer is no fault.
 
         Raises:
             Trouble: it has run empty, or a motor can't move.
         """
-        if self.feed.at_most == 0 and self.feed.left:
+        if self.feed.ran_dry:
             yield from look_at_motors(self.operation, self.job.robot)
             raise Trouble(
                 f"underrun: the rotary buffer ran dry with {self.feed.left} lines to come; the robot "

@@ -12,6 +12,7 @@ import numpy as np
 
 from yarclang import hir
 from yarclang.certify.blends.corner import tolerance_of
+from yarclang.certify.blends.flows import corners_of
 from yarclang.certify.bodies.clearance import NOTHING_NEAR, Apart, find_clearances
 from yarclang.certify.bodies.handled import Handled, follow
 from yarclang.certify.bodies.torque import find_torques
@@ -227,6 +228,37 @@ class Judge:
                     "Y1153",
                     f"the map says that its jerk has no limit, and its profile has one (line {entry.at})",
                     entry.step,
+                )
+
+    def overlaps(self, content: ControllerText, layout: Layout, claimed: Mapping[int, float]) -> None:
+        """Check that no blend at a corner without a ball is longer than the planner's.
+
+        In such a blend no ball limits how far from the corner the robot is. A longer blend than necessary
+        would move the middle of the blend, to which times and outputs refer, and would lift the jerk limit
+        beside a motion without one.
+
+        Args:
+            content: the controller text, as the judge has read it.
+            layout: the commands of the controller text.
+            claimed: the planner's durations of blends [s], by the step of the motion before the blend.
+        """
+        longer: dict[int, tuple[float, float]] = {}
+        for place in layout.places:
+            if place.behind:
+                duration = place.behind * float(layout.time[place.first])
+                most = claimed.get(place.step, 0.0)
+                # The controller rounds the time of each segment by at most half a quantum.
+                if not duration <= most + place.behind * content.quantum / 2.0 + 1e-9:
+                    longer[place.step] = duration, most
+        for corner in corners_of(layout, self.robot) if longer else ():
+            step = layout.places[corner.first].step
+            if step in longer and not corner.rounded:
+                duration, most = longer[step]
+                self.find(
+                    "Y1153",
+                    f"the map says that its blend takes {duration:.6g} s ({corner.segments} segments); the "
+                    f"corner has no ball, so its blend may take {most:.6g} s",
+                    step,
                 )
 
     def standing(self, start: Array) -> None:

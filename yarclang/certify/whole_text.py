@@ -23,7 +23,8 @@ from yarclang.certify.flow import check_flow, check_rests
 from yarclang.certify.kinematics.pinocchio import disagreements
 from yarclang.certify.motion.bounds import Cubics
 from yarclang.certify.motion.joint import joint_weights
-from yarclang.certify.motion.limits import NO_LOADS, POSITION_UNITS, RELATIVE, check_limits
+from yarclang.certify.motion.limits import NO_LOADS, POSITION_UNITS, RELATIVE, Excess, check_limits
+from yarclang.certify.motion.lowered import above_lowered, find_lowered
 from yarclang.certify.motion.speed import KEPT
 from yarclang.certify.motion.timed import LATE, timed_tolerance
 from yarclang.certify.read.layout import Layout, Place, chunks, moving_at_ends
@@ -327,6 +328,7 @@ class Judge:
     def limits(self, layout: Layout) -> dict[int, Loads]:
         """Return the loads of every step, and report each limit that a command breaks."""
         loads = {place.step: NO_LOADS for place in layout.places}
+        lowered = find_lowered(layout)
         for places in chunks([place for place in layout.places if place.size]):
             segments = slice(places[0].first, places[-1].last)
             cubics = Cubics.of_spline(layout.control, layout.at[segments], layout.time[segments])
@@ -336,11 +338,17 @@ class Judge:
                 for excess in excesses:
                     if excess.quantity == "jerk" and not self._jerk_counts(layout, place):
                         continue
-                    code = "Y1158" if excess.quantity == "motor_velocity" else "Y1157"
-                    self.find(
-                        code, f"{excess.name} {excess.text}, {excess.time:.6g} s after its start", place.step
-                    )
+                    self._exceeds(place, excess)
+            if lowered is not None:
+                for place, excess in above_lowered(layout, places, cubics, self.robot, lowered):
+                    if loads[place.step].share_of(excess.quantity) <= 1.0 + RELATIVE:
+                        self._exceeds(place, excess)
         return loads
+
+    def _exceeds(self, place: Place, excess: Excess) -> None:
+        """Report a limit that a command exceeds."""
+        code = "Y1158" if excess.quantity == "motor_velocity" else "Y1157"
+        self.find(code, f"{excess.name} {excess.text}, {excess.time:.6g} s after its start", place.step)
 
     def _jerk_counts(self, layout: Layout, place: Place) -> bool:
         """Return True if a jerk beyond the limit is in a part of the motion that has a jerk limit.

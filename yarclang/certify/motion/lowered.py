@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from types import MappingProxyType
 
 import numpy as np
+from numpy.typing import NDArray
 
 from yarclang.certify.certificate import Quantity
 from yarclang.certify.kinematics.motors import counts_per_joint
@@ -38,7 +39,7 @@ class Lowered:
 
     speed: Array
     ramp: Array
-    jerk: Array
+    jerk: NDArray[np.bool_]
 
 
 def find_lowered(layout: Layout) -> Lowered | None:
@@ -116,7 +117,6 @@ def above_lowered(
                 # Report the largest share among those that exceed their fraction.
                 most = np.where(above[own], share[own], 0.0)
                 row = int(np.argmax(most.max(axis=1)))
-                excess = excess_of(
-                    quantity, above[own].any(axis=0), most, robot, float(layout.time[place.first])
-                )
+                joints = np.asarray(above[own].any(axis=0))
+                excess = excess_of(quantity, joints, most, robot, float(layout.time[place.first]))
                 yield place, excess.with_allowed(float(allowed[own][row]))

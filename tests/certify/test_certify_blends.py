@@ -38,10 +38,9 @@ Q0 = np.array([10, 20, -30, 40, 50, -60]) * DEG
 TIMING = hir.Timing(None)
 
 
-def judge(robot, start, jobs, witnesses=None, laws=None):
-    return certify(
-        emit(robot, start, jobs), program(start, jobs), robot, TOLERANCE, Claims(witnesses or {}, laws or {})
-    )
+def judge(robot, start, jobs, witnesses=None, laws=None, overlaps=None):
+    claims = Claims(witnesses or {}, laws or {}, overlaps=overlaps or {})
+    return certify(emit(robot, start, jobs), program(start, jobs), robot, TOLERANCE, claims)
 
 
 def codes(result):

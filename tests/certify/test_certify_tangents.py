@@ -61,13 +61,14 @@ def straight(share=0.4, n=60, overlap=0):
 @pytest.mark.parametrize("overlap", [0, 2, 12])
 def test_lines_in_one_line(share, overlap):
     jobs, _ = straight(share, overlap=overlap)
-    result = judge(industrial6(), Q0, jobs)
+    # the segments of the test's chains take 50 ms
+    result = judge(industrial6(), Q0, jobs, overlaps={0: overlap * 0.05})
     assert codes(result) == []
     assert result.value.commands[0].blended.segments == overlap
     assert result.value.commands[0].blended.position == 0.0
     for step, row in ((0, 10), (0, -1), (1, 0), (1, 15)):
         bad = edited(jobs, step, row, 0.01 * DEG * np.array([0, 0, 1, 0, 0, 0]))
-        assert codes(judge(industrial6(), Q0, bad))[0] == "Y1159"
+        assert "Y1159" in codes(judge(industrial6(), Q0, bad, overlaps={0: overlap * 0.05}))
     text = emit(industrial6(), Q0, jobs)
     assert codes(certify_text(text, industrial6(), jobs[0].motion.origin.source)) == ["Y1193"]
 

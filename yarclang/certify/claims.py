@@ -1,7 +1,8 @@
 """Values that the planner claims about a controller text, to help the judge's proofs.
 
-Each claim is checked: a wrong claim can make a proof fail, but it can't make a wrong text pass. The exception
-is `any_jerk`: the certificate reports that the jerk of these motions wasn't judged.
+Each claim is checked: a wrong claim can make a proof fail, but it can't make a wrong text pass. There are two
+exceptions. `any_jerk`: the certificate reports that the jerk of these motions wasn't judged. `overlaps`: the
+judge takes it as it is, to refuse texts whose map states longer blends.
 """
 
 from __future__ import annotations
@@ -32,6 +33,10 @@ class Claims:
         least: in a chain, the lowest ratio of the speed to the programmed speed, after the programmed speed
             has first been reached. The judge checks that the speed stays between this ratio and 1, and
             reports the ratio as well.
+        overlaps: duration of the blend at the end of each motion that flows into the next one [s]. At a
+            corner without a ball, the blend in the text's map may not take longer; without a claim, such a
+            corner may have no blend. This claim only restricts texts: a wrong one can't make the judge accept
+            what it would refuse if blends had any length.
         any_jerk: steps whose motion profile has no jerk limit. The judge checks that the text's map lifts the
             jerk limit of no other motion. The certificate lists the jerk of these motions as not judged.
     """
@@ -40,4 +45,5 @@ class Claims:
     laws: Mapping[int, Array] = field(default_factory=dict)
     kept: Mapping[int, float] = field(default_factory=dict)
     least: Mapping[int, float] = field(default_factory=dict)
+    overlaps: Mapping[int, float] = field(default_factory=dict)
     any_jerk: frozenset[int] = frozenset()

@@ -12,6 +12,7 @@ import numpy as np
 
 from yarclang import hir
 from yarclang.certify.blends.corner import tolerance_of
+from yarclang.certify.blends.flows import corners_of
 from yarclang.certify.bodies.clearance import NOTHING_NEAR, Apart, find_clearances
 from yarclang.certify.bodies.handled import Handled, follow
 from yarclang.certify.bodies.torque import find_torques
@@ -22,7 +23,8 @@ from yarclang.certify.flow import check_flow, check_rests
 from yarclang.certify.kinematics.pinocchio import disagreements
 from yarclang.certify.motion.bounds import Cubics
 from yarclang.certify.motion.joint import joint_weights
-from yarclang.certify.motion.limits import NO_LOADS, POSITION_UNITS, RELATIVE, check_limits
+from yarclang.certify.motion.limits import NO_LOADS, POSITION_UNITS, RELATIVE, Excess, check_limits
+from yarclang.certify.motion.lowered import above_lowered, find_lowered
 from yarclang.certify.motion.speed import KEPT
 from yarclang.certify.motion.timed import LATE, timed_tolerance
 from yarclang.certify.read.layout import Layout, Place, chunks, moving_at_ends
@@ -229,6 +231,37 @@ class Judge:
                     entry.step,
                 )
 
+    def overlaps(self, content: ControllerText, layout: Layout, claimed: Mapping[int, float]) -> None:
+        """Check that no blend at a corner without a ball is longer than the planner's.
+
+        In such a blend no ball limits how far from the corner the robot is. A longer blend than necessary
+        would move the middle of the blend, to which times and outputs refer, and would lift the jerk limit
+        beside a motion without one.
+
+        Args:
+            content: the controller text, as the judge has read it.
+            layout: the commands of the controller text.
+            claimed: the planner's durations of blends [s], by the step of the motion before the blend.
+        """
+        longer: dict[int, tuple[float, float]] = {}
+        for place in layout.places:
+            if place.behind:
+                duration = place.behind * float(layout.time[place.first])
+                most = claimed.get(place.step, 0.0)
+                # The controller rounds the time of each segment by at most half a quantum.
+                if not duration <= most + place.behind * content.quantum / 2.0 + 1e-9:
+                    longer[place.step] = duration, most
+        for corner in corners_of(layout, self.robot) if longer else ():
+            step = layout.places[corner.first].step
+            if step in longer and not corner.rounded:
+                duration, most = longer[step]
+                self.find(
+                    "Y1153",
+                    f"the map says that its blend takes {duration:.6g} s ({corner.segments} segments); the "
+                    f"corner has no ball, so its blend may take {most:.6g} s",
+                    step,
+                )
+
     def standing(self, start: Array) -> None:
         """Check that the start, to which a RAPID moves the robot, is within the limits of the joints."""
         limits, units = self.robot.limits, self.robot.axis_units
@@ -295,6 +328,7 @@ class Judge:
     def limits(self, layout: Layout) -> dict[int, Loads]:
         """Return the loads of every step, and report each limit that a command breaks."""
         loads = {place.step: NO_LOADS for place in layout.places}
+        lowered = find_lowered(layout)
         for places in chunks([place for place in layout.places if place.size]):
             segments = slice(places[0].first, places[-1].last)
             cubics = Cubics.of_spline(layout.control, layout.at[segments], layout.time[segments])
@@ -304,11 +338,17 @@ class Judge:
                 for excess in excesses:
                     if excess.quantity == "jerk" and not self._jerk_counts(layout, place):
                         continue
-                    code = "Y1158" if excess.quantity == "motor_velocity" else "Y1157"
-                    self.find(
-                        code, f"{excess.name} {excess.text}, {excess.time:.6g} s after its start", place.step
-                    )
+                    self._exceeds(place, excess)
+            if lowered is not None:
+                for place, excess in above_lowered(layout, places, cubics, self.robot, lowered):
+                    if loads[place.step].share_of(excess.quantity) <= 1.0 + RELATIVE:
+                        self._exceeds(place, excess)
         return loads
+
+    def _exceeds(self, place: Place, excess: Excess) -> None:
+        """Report a limit that a command exceeds."""
+        code = "Y1158" if excess.quantity == "motor_velocity" else "Y1157"
+        self.find(code, f"{excess.name} {excess.text}, {excess.time:.6g} s after its start", place.step)
 
     def _jerk_counts(self, layout: Layout, place: Place) -> bool:
         """Return True if a jerk beyond the limit is in a part of the motion that has a jerk limit.

@@ -61,7 +61,8 @@ FINDINGS: tuple[Finding, ...] = (
         "error",
         "the emitted motion breaks a joint limit",
         "On each segment the jerk is constant, so the extreme values of position, velocity, acceleration "
-        "and jerk can be computed exactly. One of them exceeds the robot's limit.",
+        "and jerk can be computed exactly. One of them exceeds the robot's limit, or the percentage of it "
+        "that the program allows ([50%], ACC).",
         sort="limits",
     ),
     Finding(
@@ -70,7 +71,8 @@ FINDINGS: tuple[Finding, ...] = (
         "error",
         "the emitted motion breaks a motor's speed limit",
         "A motor may drive several joints, so its speed can be too high although the speed of each joint is "
-        "allowed. The controller would stop the motor with a following error, off the path.",
+        "allowed. The controller would stop the motor with a following error, off the path. The speed "
+        "may also exceed the percentage of its limit that the program allows ([50%]).",
         sort="limits",
     ),
     Finding(

@@ -324,5 +324,6 @@ def claims_of(planned: MotionPlan) -> Claims:
         },
         kept={motion.step: motion.kept for motion in planned.motions if motion.kept < 1.0},
         least={motion.step: motion.least for motion in planned.motions if motion.least < 1.0},
+        overlaps={motion.step: 2.0 * motion.half for motion in planned.motions if motion.overlap},
         any_jerk=planned.any_jerk,
     )

@@ -136,7 +136,7 @@ def find_flows(judged: Judged, layout: Layout, starts: Starts) -> Flows:
     )
     free = np.zeros((count, 2), dtype=np.bool_)
     since, until = np.full(count, np.nan), np.full(count, np.nan)
-    corners = _corners(layout, judged.robot)
+    corners = corners_of(layout, judged.robot)
     passed = dict(_passed(judged, layout, starts, [corner for corner in corners if not corner.rounded]))
     for corner in corners:
         first, second, half = corner.first, corner.second, corner.segments // 2
@@ -165,7 +165,7 @@ def find_flows(judged: Judged, layout: Layout, starts: Starts) -> Flows:
     return Flows(follow, free, tuple(corners), whole, since, until)
 
 
-def _corners(layout: Layout, robot: Robot) -> list[Corner]:
+def corners_of(layout: Layout, robot: Robot) -> list[Corner]:
     """Return all corners, in order."""
     corners, before = [], 0
     for row, place in enumerate(layout.places):

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +41,10 @@ class Excess:
     name: str
     text: str
     time: float
+
+    def with_allowed(self, fraction: float) -> Excess:
+        """Return this excess with a text that adds the fraction of the limit that the program allows."""
+        return replace(self, text=f"{self.text}; the program allows {100.0 * fraction:.6g}% of it")
 
 
 NO_LOADS = Loads(None, 0)
@@ -96,7 +101,7 @@ def check_limits(
         place = places[row]
         rows = slice(place.first - base, place.last - base)
         excesses[row] = tuple(
-            _excess(quantity, joints[row], measures[quantity][rows], robot, float(layout.time[place.first]))
+            excess_of(quantity, joints[row], measures[quantity][rows], robot, float(layout.time[place.first]))
             for quantity, joints in broken.items()
             if joints[row].any()
         )
@@ -121,7 +126,7 @@ def _largest(shares: Mapping[Quantity, Array], robot: Robot) -> Peaks:
     return Peaks(names, array("h", joints.T.ravel().tolist()), array("d", most.T.ravel().tolist()))
 
 
-def _excess(
+def excess_of(
     quantity: Quantity, joints: NDArray[np.bool_], measure: Array, robot: Robot, segment_time: float
 ) -> Excess:
     """Return the joint or motor, the segment and the amount of the largest excess over a limit.

@@ -25,7 +25,9 @@ class Course:
         self.items, self.parts, self.barriers = [], [], {}
         self.exits = []  # for each open loop, the number of EXITs that leave it
         self.add_body(0, loop=False)
-        self.text = Text("", "", "", "", "", [], self.barriers, [], [], (0, 0, 0), (0,), (0, 0), self.items, [], 0)
+        self.text = Text(
+            "", "", "", "", "", [], self.barriers, [], [], (0, 0, 0), (0,), (0, 0), self.items, [], 0
+        )
         self.lasting = schedule_of(self.parts).lasting
 
     def add(self, kind, timeout="-"):

@@ -40,6 +40,7 @@ FORM = 5
 """Version of the proof format that this checker reads."""
 ALWAYS_UNCHECKED = (
     "torques",
+    "percentages of limits ([50%], ACC), apart from the limits themselves",
     "that program, cell and robot's numbers, as told here, are those of the source and of the files",
 )
 _MALFORMED = (

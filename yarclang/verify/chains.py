@@ -155,8 +155,8 @@ def check_chain(
         found.append(_follow(row, told, proofs[str(row.entry.step)], arm, found[-1] if found else None))
         if isinstance(found[-1].path, Pieces) and any(goal["q"] is None for goal in told["through"]):
             goal = found[-1].path.goal
-            pairs = zip(goal, arm.turns, strict=True)
-            said = [Fraction(one * 180, PI) if turns else Fraction(one * 1000, ONE) for one, turns in pairs]
+            each = zip(goal, arm.turns, strict=True)
+            said = [Fraction(one * 180, PI) if turns else Fraction(one * 1000, ONE) for one, turns in each]
             notes.append(
                 f"{title} ends at the joint positions {' '.join(f'{float(one):.6g}' for one in said)}"
             )

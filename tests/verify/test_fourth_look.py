@@ -24,10 +24,11 @@ from yarclang.memory import NO_MEMORY
 from yarclang.pipeline.proofs import proof_of
 from yarclang.robot.description import load_robot
 from yarclang.verify.arm import Arm
+from yarclang.verify.chains import _goals, _stays
 from yarclang.verify.course import Ways, _sequence
 from yarclang.verify.exact import RefusedError
 from yarclang.verify.parts import check_parts
-from yarclang.verify.reader import Entry, read
+from yarclang.verify.reader import PRINTED, Entry, read
 from yarclang.verify.verdict import ALWAYS_UNCHECKED, Verdict, _list_allowed, verify
 
 SEARCH = (EXAMPLES / "25_stack_height.yarc").read_text()
@@ -223,3 +224,62 @@ def test_a_body_that_is_allowed_to_touch_may_be_absent():
     _list_allowed(["; allow 1 GHOST TABLE"], [{"name": "TABLE"}], rows, found)
     (said,) = found.exempt
     assert said.endswith("the program lets them touch, but not both are bodies of the proof")
+
+
+DIGIT = Fraction(1, 10**6)
+"""The last digit of a text [deg]."""
+
+
+def arm_of(program=OFF):
+    return Arm(json.loads(made(program)[1], parse_float=Fraction, parse_int=Fraction)["robot"])
+
+
+def standing(degrees):
+    """Return a motion without moves at joint positions [deg], as the checker has read it."""
+    here = tuple(round(Fraction(one) * PRINTED) for one in degrees)
+    entry = SimpleNamespace(title="P0010 MOVEJ 1", blend=None)
+    return SimpleNamespace(entry=entry, begin=here, end=here)
+
+
+@pytest.mark.parametrize(("off", "refused"), [("0.001", True), ("0.0000004", False)])
+def test_a_motion_without_moves_is_at_its_goal(off, refused):
+    goal = {"q": [Fraction(10), *[Fraction(0)] * 5]}
+    told = {"move": "joint", "through": [goal], "tolerance": [Fraction("0.02"), Fraction("0.002")]}
+    row = standing([10 + Fraction(off), 0, 0, 0, 0, 0])
+    if not refused:
+        _stays(row, told, arm_of(), DIGIT)
+        return
+    with pytest.raises(RefusedError, match="doesn't move"):
+        _stays(row, told, arm_of(), DIGIT)
+
+
+@pytest.mark.parametrize(("off", "refused"), [("0.0005", True), ("0", False)])
+def test_a_pose_is_reached_to_rounding_with_any_tolerance(off, refused):
+    """A motion with TOL 20 may leave its path by 20 mm, but it ends at its pose."""
+    program = "DEFAULT {TCP} [3] (mm,deg,s) {B}\nP0010 MOVEJ_RPY 150 1100 1176 0 5 0 [5]\n"
+    text, proof = made(program)
+    steps = json.loads(proof, parse_float=Fraction, parse_int=Fraction)["program"]["steps"]
+    (goal,) = steps[0]["through"]
+    goal["pose"][3] += Fraction(off)
+    told = {"move": "joint", "through": [goal], "tolerance": [Fraction(20), Fraction(20)]}
+    last = next(one for one in reversed(text.split("\n")) if one.startswith("X"))
+    goals = _goals(standing(re.findall("[A-Z](-?[0-9.]+)", last)), told, {}, arm_of(), DIGIT)
+    if refused:
+        with pytest.raises(RefusedError, match="mm away"):
+            list(goals)
+    else:
+        assert len(list(goals)) == 1
+
+
+TABLE = "P0010 MOVEJ_TIMED 4 0 0 0 0 0 [1]; 10 0 0 0 0 0 [3] (deg,s)\n"
+
+
+def test_a_timetable_ends_at_its_last_row():
+    text, _ = made(TABLE)
+    forged = re.sub("(?m)^X10Y", "X10.0005Y", text)
+    assert forged != text
+    assert "last row" in verdict(forged, table(TABLE)).refused
+    robot = load_robot("INDUSTRIAL6").value
+    program, _ = checked(TABLE)
+    judged = certify(Forger.of(forged).text, program, robot, robot.tolerance, Claims(any_jerk=frozenset({0})))
+    assert any(one.code == "Y1160" for one in judged.diagnostics)

@@ -147,12 +147,13 @@ def check_chain(
             allowed += row.seconds / 2 if len(chain) > 1 else 0
             need(abs(late) <= allowed, f"{title}: it takes another time")
         if not row.control:
-            _stays(row, told, arm)
+            _stays(row, told, arm, digit)
             return
         if told["move"] == "timetable":
-            _on_time(row, told, proofs[str(row.entry.step)], arm)
+            _on_time(row, told, proofs[str(row.entry.step)], arm, digit)
             return
-        found.append(_follow(row, told, proofs[str(row.entry.step)], arm, found[-1] if found else None))
+        before = found[-1] if found else None
+        found.append(_follow(row, told, proofs[str(row.entry.step)], arm, digit, before))
         if isinstance(found[-1].path, Pieces) and any(goal["q"] is None for goal in told["through"]):
             goal = found[-1].path.goal
             each = zip(goal, arm.turns, strict=True)
@@ -184,35 +185,56 @@ def check_chain(
 def _check_end(last: Followed, digit: Fraction) -> None:
     """Check that a motion that ends at rest is at its goal, to rounding: the next path begins there. A path
     that begins elsewhere within the tolerance could turn the other way round, or bend out of its plane.
+    """
+    what, told, arm = last.what, last.told, last.motion.arm
+    off = [length(*e) for e, _ in error(what.at(last.end), last.path.at(ONE), 0)]
+    reach = what.reach if isinstance(what, Frames) else None
+    allowed = _rounding(arm, reach, digit, told["tolerance"])
+    _within(what, allowed, off, f"{last.motion.row.entry.title}, from its goal at rest")
+
+
+def _rounding(arm: Arm, reach: list[int] | None, digit: Fraction, tolerance: Sequence[Fraction]) -> list[int]:
+    """Return how far joints may be from a goal at rest, or the origin and the angle of a frame with a `reach`
+    from each joint.
 
     A joint is off by at most a digit of the text. If the text has few digits, a tenth of the tolerance
     counts.
     """
-    what, told, arm = last.what, last.told, last.motion.arm
-    off = [length(*e) for e, _ in error(what.at(last.end), last.path.at(ONE), 0)]
     steps = [in_si(digit, 1, turns) for turns in arm.turns]
-    limits, most = steps, _per_joint(told["tolerance"], arm)
-    if isinstance(what, Frames):
-        ways = zip(steps, what.reach, arm.turns, strict=True)
+    limits, most = steps, _per_joint(tolerance, arm)
+    if reach is not None:
+        ways = zip(steps, reach, arm.turns, strict=True)
         turned = sum(step for step, turns in zip(steps, arm.turns, strict=True) if turns)
-        limits = [sum(times(step, reach) if turns else step for step, reach, turns in ways), 2 * turned]
-        most = [in_si(told["tolerance"][0], 1, False), in_si(told["tolerance"][1], 1, True)]
-    allowed = [min(limit + _NEARLY, top // 10 + SLACK) for limit, top in zip(limits, most, strict=True)]
-    _within(what, allowed, off, f"{last.motion.row.entry.title}, from its goal at rest")
+        limits = [sum(times(step, far) if turns else step for step, far, turns in ways), 2 * turned]
+        most = [in_si(tolerance[0], 1, False), in_si(tolerance[1], 1, True)]
+    tops = [max(top // 10, min(top, _NEARLY)) + SLACK for top in most]
+    return [min(limit + _NEARLY, top) for limit, top in zip(limits, tops, strict=True)]
 
 
-def _stays(row: Moved, told: Told, arm: Arm) -> None:
+def _at_rest(
+    row: Moved, goal: Told, arm: Arm, digit: Fraction, tolerance: Sequence[Fraction]
+) -> list[Fraction]:
+    """Return how far a frame may be from its pose at the end of a motion at rest [mm and deg]."""
+    q = in_joints(row.end, PRINTED, arm.turns)
+    slides = [0 if turns else abs(one) + 1 for one, turns in zip(q, arm.turns, strict=True)]
+    reach = arm.reaches(len(q), arm.to_flange(placed(goal["tool"])[1]), slides)
+    far, angle = _rounding(arm, reach, digit, tolerance)
+    return [Fraction(far * 1000, ONE), Fraction(angle * 180, PI)]
+
+
+def _stays(row: Moved, told: Told, arm: Arm, digit: Fraction) -> None:
     """Check that the goal of a motion without move lines is where the robot already is."""
     title, here = row.entry.title, in_joints(row.begin, PRINTED, arm.turns)
     if told["move"] in FRAMED:
-        _near(arm, here, told, told["tolerance"], f"{title}: it leads nowhere, and its goal")
+        limits = _at_rest(row, told, arm, digit, told["tolerance"])
+        _near(arm, here, told, limits, f"{title}: it leads nowhere, and its goal")
         return
-    for point in _goals(row, told, {}, arm):
-        there = zip(point, here, _per_joint(told["tolerance"], arm), strict=True)
+    for point in _goals(row, told, {}, arm, digit):
+        there = zip(point, here, _rounding(arm, None, digit, told["tolerance"]), strict=True)
         need(all(abs(a - b) <= allowed for a, b, allowed in there), f"{title}: it doesn't move")
 
 
-def _on_time(row: Moved, told: Told, proof: Told, arm: Arm) -> None:
+def _on_time(row: Moved, told: Told, proof: Told, arm: Arm, digit: Fraction) -> None:
     """Check that each joint is at the timetable's position at any time, within the joint's tolerance in
     `within`.
 
@@ -246,6 +268,9 @@ def _on_time(row: Moved, told: Told, proof: Told, arm: Arm) -> None:
         pieces.append(Piece((end - begin) * row.seconds, s, (rate, rate), (rate, 0, 0), int(begin), end))
     for piece in distances(what, table, pieces, what.at(motion.begin)):
         _within(what, limits, piece.off, f"{title}, from its timetable")
+    off = [length(*e) for e, _ in error(what.at(motion.end), table.at(ONE), 0)]
+    allowed = _rounding(arm, None, digit, told["tolerance"])
+    _within(what, allowed, off, f"{title}, from the last row of its timetable")
 
 
 def _per_joint(limits: Sequence[Fraction], arm: Arm) -> list[int]:
@@ -253,7 +278,7 @@ def _per_joint(limits: Sequence[Fraction], arm: Arm) -> list[int]:
     return [in_si(limits[1] if turns else limits[0], 1, turns) for turns in arm.turns]
 
 
-def _goals(row: Moved, told: Told, proof: Told, arm: Arm) -> Iterator[Vector]:
+def _goals(row: Moved, told: Told, proof: Told, arm: Arm, digit: Fraction) -> Iterator[Vector]:
     """Yield the goals of a joint motion as joint positions. If they were chosen for a programmed pose, check
     that they reach this pose.
 
@@ -270,7 +295,7 @@ def _goals(row: Moved, told: Told, proof: Told, arm: Arm) -> Iterator[Vector]:
                 in_joints(proof["goal"], 1, arm.turns) if flows else in_joints(row.end, PRINTED, arm.turns)
             )
         if "pose" in goal:
-            limits = [_CHOSEN, _CHOSEN] if flows else [one / 10 for one in told["tolerance"]]
+            limits = [_CHOSEN, _CHOSEN] if flows else _at_rest(row, goal, arm, digit, told["tolerance"])
             _near(arm, point, goal, limits, f"{title}: the joints that were chosen for a pose, which")
         yield point
 
@@ -286,7 +311,9 @@ def _near(arm: Arm, q: Sequence[int], told: Told, limits: Sequence[Fraction], wh
     need(near, f"{what} is {off / ONE * 1000:.6g} mm away, or turned too far")
 
 
-def _follow(row: Moved, told: Told, proof: Told, arm: Arm, before: Followed | None) -> Followed:
+def _follow(
+    row: Moved, told: Told, proof: Told, arm: Arm, digit: Fraction, before: Followed | None
+) -> Followed:
     """Check that a motion follows its path, which begins at the goal of the motion before, or where the robot
     is at rest.
     """
@@ -310,7 +337,7 @@ def _follow(row: Moved, told: Told, proof: Told, arm: Arm, before: Followed | No
         what, path = Frames(arm, tool, motion), curve(start, told, proof)
         limits = [in_si(told["tolerance"][0], 1, False), chord_of(in_si(told["tolerance"][1], 1, True))]
     else:
-        what, path = Joints(motion), _of_joints(row, told, proof, arm, before)
+        what, path = Joints(motion), _of_joints(row, told, proof, arm, digit, before)
         limits = _per_joint(told["tolerance"], arm)
     first, last = (fixed(Fraction(proof["s"][k], SHARE)) for k in (0, -1))
     found = Followed(motion, told, what, path, begin, end, (first, last))
@@ -343,7 +370,9 @@ def _within(what: Frames | Joints, limits: Sequence[int], off: Sequence[int], wh
         need(one <= limit, f"{where}: {who} away")
 
 
-def _of_joints(row: Moved, told: Told, proof: Told, arm: Arm, before: Followed | None) -> Pieces:
+def _of_joints(
+    row: Moved, told: Told, proof: Told, arm: Arm, digit: Fraction, before: Followed | None
+) -> Pieces:
     """Return the programmed path of a joint motion.
 
     After a Cartesian motion, the path begins at joint positions that the proof has chosen for the frame's
@@ -360,7 +389,7 @@ def _of_joints(row: Moved, told: Told, proof: Told, arm: Arm, before: Followed |
         need(max(apart, default=0) < PI // 2, f"{what} is in another posture")
     else:
         start = before.path.goal
-    points = [start, *_goals(row, told, proof, arm)]
+    points = [start, *_goals(row, told, proof, arm, digit)]
     need(told["move"] == "spline" or len(points) == 2, f"{row.entry.title}: a straight way has one goal")
     return through(points)
 

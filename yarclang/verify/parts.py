@@ -133,10 +133,15 @@ def _handed_over(
             fault, near = _nearest(bodies, one, there, links)
             faults[after, one] = f"{what}: {fault}"
             sources[after, one] += [(before, other) for other in near]
-    known, size = {(-1, -1)}, 0
-    while len(known) > size:
-        size = len(known)
-        known |= {place for place, found in sources.items() if not known.isdisjoint(found)}
+    leads = dict[tuple[int, int], list[tuple[int, int]]]()
+    for place, found in sources.items() if faults else ():
+        for source in found:
+            leads.setdefault(source, []).append(place)
+    known, reached = {(-1, -1)}, [(-1, -1)]
+    while reached:
+        more = {place for place in leads.get(reached.pop(), ()) if place not in known}
+        known |= more
+        reached += more
     for place, fault in faults.items():
         need(place in known, fault)
 

@@ -42,7 +42,7 @@ _SAME = ONE >> 30
 """Largest error of a rotation at the end of its path: 1e-9 rad."""
 _ROUND = ONE >> 42
 """Largest error of an arc's points and roundness: 2e-13 m. The arc is then off by less than 1e-9 m."""
-_OPPOSITE = ONE >> 14
+OPPOSITE = ONE >> 14
 """Least angle by which a turn is less than half a turn: 6e-5 rad. If its start is off by this angle, a turn
 could go the other way round.
 """
@@ -277,7 +277,7 @@ def turn(start: list[Vector], goal: list[Vector], axis: Vector, angle: int) -> C
     start.
     """
     need(abs(dot(axis, axis) - ONE) < _SAME and angle >= 0, "a turn without an axis")
-    need(angle <= PI - _OPPOSITE, "a turn so near to half a turn that its direction isn't certain")
+    need(angle <= PI - OPPOSITE, "a turn so near to half a turn that its direction isn't certain")
     once = [cross(axis, column) for column in start]
     twice = [one for column in once for one in cross(axis, column)]
     middle = [a + b for a, b in zip(chain(*start), twice, strict=True)]

@@ -15,7 +15,7 @@ from typing import Any
 from yarclang.verify.arm import Step, Vector, placed
 from yarclang.verify.exact import BITS, ONE, PI, SLACK, above, fixed, length, need, sine_and_cosine, times
 from yarclang.verify.joints import smooth
-from yarclang.verify.paths import STILL, State
+from yarclang.verify.paths import OPPOSITE, STILL, State
 
 _SAME = ONE >> 30
 """Largest allowed error of a quaternion's rotation and length, and of the chord of a stated angle: 1e-9."""
@@ -43,7 +43,7 @@ class PoseSpline:
         for ((_, here), (_, then)), (a, b), told_turn in each:
             # A rotation has twice the angle between its quaternions, whose chord is 2 sin(turn / 4).
             turn, chord = fixed(told_turn), length(*(y - x for x, y in zip(a, b, strict=True)))
-            need(0 <= turn < PI - _SAME, "a spline of poses with half a turn between neighbours")
+            need(0 <= turn < PI - OPPOSITE, "a spline of poses with half a turn between neighbours")
             need(abs(chord - 2 * sine_and_cosine(turn // 4)[0]) < _SAME, "another turn between two poses")
             steps.append(length(*(y - x for x, y in zip(here, then, strict=True)), turn // _CHORD))
         self._spline = smooth([[*p, *q] for (_, p), q in zip(poses, quaternions, strict=True)], steps)

@@ -23,6 +23,8 @@ from yarclang.units import DEG, MM
 
 SAME_JOINTS = 1e-9
 """Largest allowed difference between a claimed joint position and the programmed joint goal [rad or m]."""
+AT_REST = 0.1
+"""Largest distance from the goal at which a motion may come to rest, as a fraction of the tolerance."""
 _ROUNDS = 20
 """Largest number of iterations of Newton's method."""
 NEARLY_KEPT = 5e-4

@@ -8,6 +8,7 @@ import numpy as np
 
 from yarclang import hir
 from yarclang.certify.blends.corner import (
+    AT_REST,
     Judged,
     check_claims,
     claimed_joints,
@@ -29,9 +30,6 @@ from yarclang.progress import go_on
 from yarclang.robot.model import Array
 
 Rows = list[tuple[int, Place]]
-
-_AT_REST = 0.1
-"""Largest distance from the goal at which a motion may come to rest, as a fraction of the tolerance."""
 
 
 def find_deviations(judged: Judged, layout: Layout) -> Proofs:
@@ -73,7 +71,7 @@ def _judge_deviation(judged: Judged, place: Place, deviation: Deviation) -> None
         # the other way round, and an arc of nearly a full circle could lie in another plane. The text's
         # digits move the flange by 5 % of the tolerance at most.
         general = judged.tolerance
-        at_end = min(general.position, at_end[0]) * _AT_REST, min(general.angle, at_end[1]) * _AT_REST
+        at_end = min(general.position, at_end[0]) * AT_REST, min(general.angle, at_end[1]) * AT_REST
     if deviation.end_position > at_end[0] or deviation.end_angle > at_end[1]:
         judged.find(
             "Y1160",

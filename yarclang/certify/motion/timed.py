@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from yarclang import hir
-from yarclang.certify.blends.corner import Judged
+from yarclang.certify.blends.corner import AT_REST, Judged
 from yarclang.certify.certificate import Deviation
 from yarclang.certify.motion.bounds import Cubics
 from yarclang.certify.motion.joint import by_kind
@@ -257,7 +257,8 @@ def timed_move(judged: Judged, layout: Layout, row: int, place: Place, start: Ar
         off, when = largest_difference(layout.cubics(place.first, place.last), way, within)
     else:
         off, when = np.abs(way.bezier - start).max(axis=(0, 1)), np.zeros(len(start))
-    if (off_at_end > within + _SAME).any():
+    # The next path begins at the end, so it is compared more closely (see `deviations.py`).
+    if (off_at_end > within * AT_REST + _SAME).any():
         _report(
             judged,
             place,

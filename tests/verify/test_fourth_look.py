@@ -276,7 +276,7 @@ TABLE = "P0010 MOVEJ_TIMED 4 0 0 0 0 0 [1]; 10 0 0 0 0 0 [3] (deg,s)\n"
 
 def test_a_timetable_ends_at_its_last_row():
     text, _ = made(TABLE)
-    forged = re.sub("(?m)^X10Y", "X10.0005Y", text)
+    forged = re.sub("(?m)^X10Y", "X10.001Y", text)
     assert forged != text
     assert "last row" in verdict(forged, table(TABLE)).refused
     robot = load_robot("INDUSTRIAL6").value

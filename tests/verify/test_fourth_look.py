@@ -9,6 +9,7 @@ from fractions import Fraction
 from itertools import product
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from conftest import EXAMPLES
 from programs import checked, compiled
@@ -22,6 +23,7 @@ from yarclang.certify.claims import Claims
 from yarclang.certify.pmac.reader import READER
 from yarclang.memory import NO_MEMORY
 from yarclang.pipeline.proofs import proof_of
+from yarclang.pipeline.stages import claims_of
 from yarclang.robot.description import load_robot
 from yarclang.verify.arm import Arm
 from yarclang.verify.chains import _goals, _stays
@@ -283,3 +285,22 @@ def test_a_timetable_ends_at_its_last_row():
     program, _ = checked(TABLE)
     judged = certify(Forger.of(forged).text, program, robot, robot.tolerance, Claims(any_jerk=frozenset({0})))
     assert any(one.code == "Y1160" for one in judged.diagnostics)
+
+
+POSE = "DEFAULT {TCP} (mm,deg,s) {B}\nP0010 MOVEJ_RPY 150 1000 1000 0 30 0 [30]\n"
+
+
+def test_a_motion_to_a_pose_ends_in_the_programs_posture():
+    """The pose is reached with the wrist turned over, too."""
+    honest, _ = compiled(POSE)
+    end = np.rad2deg(honest.plan.motions[-1].curve.points[-1])
+    over = end + np.array([0, 0, 0, -180.0, -2 * end[4], 180.0])
+    joints = " ".join(f"{one:.9f}" for one in over)
+    other, _ = compiled(f"DEFAULT (deg,s)\nP0010 MOVEJ {joints} [30]\n")
+    program = re.search(r"(?m)^; program .*$", honest.text)[0]
+    text = re.sub(r"(?m)^; program .*$", program, other.text).replace("P0010 MOVEJ 2", "P0010 MOVEJ_RPY 2")
+    source, _ = checked(POSE)
+    robot = load_robot("INDUSTRIAL6").value
+    for one, faults in ((honest.text, []), (Forger.of(text).text, ["Y1160"])):
+        judged = certify(one, source, robot, robot.tolerance, claims_of(honest.plan))
+        assert [found.code for found in judged.diagnostics if found.is_error] == faults

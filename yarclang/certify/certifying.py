@@ -85,6 +85,7 @@ def certify(
     judge.any_jerk(content, claims.any_jerk)
     judge.rests(content, start, {output.signal.variable for output in program.outputs})
     judge.overlaps(content, layout, claims.overlaps)
+    judge.postures(layout, claims.postures)
     judge.flow(content)
     judge.follow(layout)
     _judge_motion(judge, content, layout, start)

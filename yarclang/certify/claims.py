@@ -1,8 +1,9 @@
 """Values that the planner claims about a controller text, to help the judge's proofs.
 
-Each claim is checked: a wrong claim can make a proof fail, but it can't make a wrong text pass. There are two
-exceptions. `any_jerk`: the certificate reports that the jerk of these motions wasn't judged. `overlaps`: the
-judge takes it as it is, to refuse texts whose map states longer blends.
+Each claim is checked: a wrong claim can make a proof fail, but it can't make a wrong text pass. There are
+three exceptions. `any_jerk`: the certificate reports that the jerk of these motions wasn't judged. `overlaps`
+and `postures`: the judge takes them as they are, to refuse texts whose map states longer blends, or that end
+in another posture.
 """
 
 from __future__ import annotations
@@ -37,6 +38,9 @@ class Claims:
             corner without a ball, the blend in the text's map may not take longer; without a claim, such a
             corner may have no blend. This claim only restricts texts: a wrong one can't make the judge accept
             what it would refuse if blends had any length.
+        postures: joint positions (n,) at which each joint motion to a pose comes to rest [rad or m]. A pose
+            can be reached in several postures; the text must end in this one. This claim only restricts
+            texts, too.
         any_jerk: steps whose motion profile has no jerk limit. The judge checks that the text's map lifts the
             jerk limit of no other motion. The certificate lists the jerk of these motions as not judged.
     """
@@ -46,4 +50,5 @@ class Claims:
     kept: Mapping[int, float] = field(default_factory=dict)
     least: Mapping[int, float] = field(default_factory=dict)
     overlaps: Mapping[int, float] = field(default_factory=dict)
+    postures: Mapping[int, Array] = field(default_factory=dict)
     any_jerk: frozenset[int] = frozenset()

@@ -56,6 +56,12 @@ KINDS: Mapping[type, Kind] = MappingProxyType(
 )
 
 
+_SAME_POSTURE = 1e-3
+"""Largest difference of two joint positions in one posture [rad or m]. Two postures differ by much more, and
+the pose at the end is compared closely.
+"""
+
+
 @frozen
 class Judge:
     """The judgement of one controller text: its program, its robot, and the findings so far.
@@ -260,6 +266,29 @@ class Judge:
                     f"the map says that its blend takes {duration:.6g} s ({corner.segments} segments); the "
                     f"corner has no ball, so its blend may take {most:.6g} s",
                     step,
+                )
+
+    def postures(self, layout: Layout, claimed: Mapping[int, Array]) -> None:
+        """Check that joint motions to a pose come to rest in the posture that the planner has chosen.
+
+        Args:
+            layout: the commands of the controller text.
+            claimed: (n,) joint positions [rad or m], by the motion's step.
+        """
+        robot = self.robot
+        for row, place in enumerate(layout.places):
+            planned = claimed.get(place.step)
+            if planned is None or place.behind is not None:
+                continue
+            off = np.abs(layout.ends[row] - planned)
+            joint = int(np.argmax(off))
+            if not off[joint] <= _SAME_POSTURE:
+                unit, factor = robot.axis_unit_names[joint], robot.axis_units[joint]
+                self.find(
+                    "Y1160",
+                    f"the motion ends in another posture than the program's: {robot.joint_names[joint]} is "
+                    f"{off[joint] / factor:.6g} {unit} away",
+                    place.step,
                 )
 
     def standing(self, start: Array) -> None:

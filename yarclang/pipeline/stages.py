@@ -21,7 +21,18 @@ from yarclang.diagnostics import Diagnostic, Result, grouped, has_errors, in_ord
 from yarclang.emitted.header import Header
 from yarclang.emitted.seal import sealed
 from yarclang.frozen import frozen
-from yarclang.hir import ArcMove, Array, AvoidMove, Gap, LineMove, Motion, Program, Step
+from yarclang.hir import (
+    ArcMove,
+    Array,
+    AvoidMove,
+    Gap,
+    JointMove,
+    LineMove,
+    Motion,
+    PoseGoal,
+    Program,
+    Step,
+)
 from yarclang.identity import fingerprint
 from yarclang.memory import NO_MEMORY, Memory
 from yarclang.motion.plan import MotionPlan
@@ -309,6 +320,11 @@ def _printable(name: str) -> str:
     )
 
 
+def _chooses_posture(step: Step) -> bool:
+    """Return True for a joint motion to a pose, which the planner may reach in several postures."""
+    return isinstance(step, JointMove) and isinstance(step.goal, PoseGoal)
+
+
 def claims_of(planned: MotionPlan) -> Claims:
     """Return all claims of a plan (values that the judge checks instead of computing). docs/certificate.md
     lists how each value is checked.
@@ -325,5 +341,10 @@ def claims_of(planned: MotionPlan) -> Claims:
         kept={motion.step: motion.kept for motion in planned.motions if motion.kept < 1.0},
         least={motion.step: motion.least for motion in planned.motions if motion.least < 1.0},
         overlaps={motion.step: 2.0 * motion.half for motion in planned.motions if motion.overlap},
+        postures={
+            motion.step: motion.curve.points[-1]
+            for motion in planned.motions
+            if not motion.flows and _chooses_posture(steps[motion.step])
+        },
         any_jerk=planned.any_jerk,
     )

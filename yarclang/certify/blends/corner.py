@@ -23,6 +23,10 @@ from yarclang.units import DEG, MM
 
 SAME_JOINTS = 1e-9
 """Largest allowed difference between a claimed joint position and the programmed joint goal [rad or m]."""
+CHOSEN = 1e-3
+"""Largest distance of joint positions that the planner has chosen for a pose from this pose [mm and deg]. The
+next path begins there, and could amplify a larger distance.
+"""
 AT_REST = 0.1
 """Largest distance from the goal at which a motion may come to rest, as a fraction of the tolerance."""
 _ROUNDS = 20
@@ -206,8 +210,7 @@ def _joints(judged: Judged, layout: Layout, row: int, place: Place, flange: Arra
     claimed = claimed_joints(judged, place, 1)
     if claimed is not None:
         position, angle = distance(flange_poses(judged.robot.chain, claimed)[0], flange)
-        tolerance = judged.tolerance_of(place.motion)
-        if position > tolerance.position or angle > tolerance.angle:
+        if position > CHOSEN * MM or angle > CHOSEN * DEG:
             judged.find(
                 "Y1161",
                 f"the joint positions planned for its end are {shown(float(position), float(angle))} away "
@@ -262,12 +265,11 @@ def check_claims(judged: Judged, place: Place) -> tuple[float, float]:
         return np.inf, np.inf
     worst = 0.0, 0.0
     flanges = flange_poses(judged.robot.chain, claimed)
-    tolerance = judged.tolerance_of(motion)
     for i, goal in enumerate(goals):
         if isinstance(goal, hir.PoseGoal):
             position, angle = distance(flanges[i] @ goal.flange_from_moving, goal.base_from_moving)
             off = float(position), float(angle)
-            allowed = tolerance.position, tolerance.angle
+            allowed = CHOSEN * MM, CHOSEN * DEG
         else:
             assert isinstance(goal, hir.JointGoal)
             off = by_kind(np.abs(claimed[i] - goal.q), judged.robot)

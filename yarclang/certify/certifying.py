@@ -9,11 +9,12 @@ import numpy as np
 from yarclang import hir
 from yarclang.cell.model import Cell
 from yarclang.certify.blends.blend import judge_blends
-from yarclang.certify.blends.corner import Judged
+from yarclang.certify.blends.starts import Starts, find_starts
 from yarclang.certify.bodies.clearance import NOTHING_NEAR
 from yarclang.certify.bodies.zones import NO_ZONES, InZones
 from yarclang.certify.certificate import Certificate, CommandCertificate, Deviation
 from yarclang.certify.claims import Claims
+from yarclang.certify.judged import Judged
 from yarclang.certify.kinematics.described import ContradictionError, own_robot
 from yarclang.certify.kinematics.poses import wrong_poses
 from yarclang.certify.motion.deviations import find_deviations
@@ -90,7 +91,8 @@ def certify(
     judge.follow(layout)
     _judge_motion(judge, content, layout, start)
     judged = Judged(robot, tolerance, claims, judge.find)
-    proofs = recalled(memory, judge, layout, claims, lambda one, part: _prove(one, claims, part))
+    starts = find_starts(judged, layout, program)
+    proofs = recalled(memory, judge, (layout, starts), claims, lambda one, part: _prove(one, claims, *part))
     speeds = {step: proof.speed for step, proof in proofs.items()}
     loads = {step: proof.loads for step, proof in proofs.items()}
     judge.findings.extend(slowed(layout, speeds, judged.least_of, loads))
@@ -128,7 +130,7 @@ def _certified(
     return Result(Certificate(content.target, commands, judge.tolerance, content), tuple(judge.findings))
 
 
-def _prove(judge: Judge, claims: Claims, layout: Layout) -> dict[int, Proved]:
+def _prove(judge: Judge, claims: Claims, layout: Layout, starts: Starts) -> dict[int, Proved]:
     """Prove everything about each step of a layout except zones."""
     judged = Judged(judge.robot, judge.tolerance, claims, judge.find)
     judge.witnessed(layout)
@@ -137,7 +139,7 @@ def _prove(judge: Judge, claims: Claims, layout: Layout) -> dict[int, Proved]:
     tell("certifying: paths", 0)
     # Bounds of an absurd motion, which no planner would produce, may overflow to infinity.
     with np.errstate(over="ignore", invalid="ignore"):
-        proofs = find_deviations(judged, layout)
+        proofs = find_deviations(judged, layout, starts)
         tell("certifying: blends", 0)
         blends = judge_blends(judged, layout, proofs)
     judge.speeds(layout, proofs.speeds)

@@ -13,7 +13,7 @@ from zlib import crc32
 
 import numpy as np
 
-from yarclang import hir
+from yarclang.certify.blends.starts import Starts
 from yarclang.certify.bodies.clearance import Apart
 from yarclang.certify.certificate import Blended, Deviation, Load, Loads, ToolSpeed
 from yarclang.certify.claims import Claims
@@ -56,10 +56,12 @@ AROUND = 3
 
 Three are needed, for example before a window. The proof of the window's first motion depends on its corner
 with the first neighbour. The path of the first neighbour depends on its corner with the second one, and the
-second one begins where the third one ends.
+path of the second one depends on whether the third one flows into it.
 """
 
-Prove = Callable[[Judge, Layout], Mapping[int, Proved]]
+Part = tuple[Layout, Starts]
+"""Motions, and the start points of their programmed paths."""
+Prove = Callable[[Judge, Part], Mapping[int, Proved]]
 
 
 @frozen
@@ -73,9 +75,7 @@ class _Window:
     around: range
 
 
-def recalled(
-    memory: Memory, judge: Judge, layout: Layout, claims: Claims, prove: Prove
-) -> Mapping[int, Proved]:
+def recalled(memory: Memory, judge: Judge, whole: Part, claims: Claims, prove: Prove) -> Mapping[int, Proved]:
     """Return the proofs of all steps, from the cache or newly computed.
 
     Long texts are proved window by window on all cores. Only proofs without findings are cached. If there is
@@ -84,17 +84,17 @@ def recalled(
     Args:
         memory: cache of proofs.
         judge: collects the findings of `prove`.
-        layout: the whole text.
+        whole: the whole text.
         claims: the planner's claims.
-        prove: function that proves the motions of a layout and returns the proofs by step.
+        prove: function that proves motions and returns the proofs by step.
     """
-    forgets = isinstance(memory, Forgetful)
+    forgets, (layout, starts) = isinstance(memory, Forgetful), whole
     if forgets and len(layout.places) < 2 * WINDOW:
-        return prove(judge, layout)
+        return prove(judge, whole)
     proofs: dict[int, Proved] = {}
     missing: list[tuple[Hashable, _Window]] = []
-    said, handled = None if forgets else _Said(layout, claims), judge.handled
-    for window in _windows(layout):
+    said, handled = None if forgets else _Said(layout, starts, claims), judge.handled
+    for window in _windows(layout, starts):
         key: Hashable = None
         cached: tuple[Proved, ...] | None = None
         if said is not None:
@@ -113,13 +113,13 @@ def recalled(
             proofs |= _by_step(layout, window, cached)
     batches = list(_batches(missing))
     made = mapped(
-        lambda batch: _proved(judge, layout, batch, prove), [[one for _, one in batch] for batch in batches]
+        lambda batch: _proved(judge, whole, batch, prove), [[one for _, one in batch] for batch in batches]
     )
     tell("certifying", 0, len(batches))
     for number, (batch, proved) in enumerate(zip(batches, made, strict=True)):
         if proved is None:
             # If a batch has a finding, prove the whole text again in one piece.
-            return prove(judge, layout)
+            return prove(judge, whole)
         tell("certifying", number + 1, len(batches))
         for (key, window), one in zip(batch, proved, strict=True):
             memory.keep(key, one)
@@ -132,13 +132,13 @@ def _by_step(layout: Layout, window: _Window, proved: Sequence[Proved]) -> dict[
 
 
 def _proved(
-    judge: Judge, layout: Layout, windows: Sequence[_Window], prove: Prove
+    judge: Judge, whole: Part, windows: Sequence[_Window], prove: Prove
 ) -> list[tuple[Proved, ...]] | None:
     """Prove the motions of some windows; return None if there is any finding."""
-    steps = [[layout.places[row].step for row in window.own] for window in windows]
+    steps = [[whole[0].places[row].step for row in window.own] for window in windows]
     apart = judge.of_part({step for own in steps for step in own})
     with within():
-        made = prove(apart, _part(layout, windows))
+        made = prove(apart, _part(*whole, windows))
     if apart.findings:
         return None
     return [tuple(made[step] for step in own) for own in steps]
@@ -161,49 +161,33 @@ def _batches(missing: Sequence[tuple[Hashable, _Window]]) -> Iterator[list[tuple
         yield batch
 
 
-def _windows(layout: Layout) -> Iterator[_Window]:
+def _windows(layout: Layout, starts: Starts) -> Iterator[_Window]:
     """Yield one window for each stretch of a layout, or several for a long stretch."""
     for rows in _stretches(layout.places):
         begin = rows.start
-        while rows.stop - begin >= 2 * WINDOW and (end := _end_of(layout, begin, rows.stop)):
+        while rows.stop - begin >= 2 * WINDOW and (end := _end_of(layout, starts, begin, rows.stop)):
             yield _Window(range(begin, end), range(max(begin - AROUND, rows.start), end + AROUND))
             begin = end
         yield _Window(range(begin, rows.stop), range(max(begin - AROUND, rows.start), rows.stop))
 
 
-def _end_of(layout: Layout, begin: int, stop: int) -> int | None:
+def _end_of(layout: Layout, starts: Starts, begin: int, stop: int) -> int | None:
     """Return the row after the window that begins at row `begin`; None if the window can end nowhere.
 
-    The window has between `WINDOW` and 2 `WINDOW` motions. A hash of the goal of a nearby motion chooses one
+    The window has between `WINDOW` and 2 `WINDOW` motions. A hash of the start of the next motion chooses one
     of the possible ends, so that an edit elsewhere in the text does not move the cuts between windows.
     """
     best, chosen = -1, None
     for row in range(begin + WINDOW, min(begin + 2 * WINDOW, stop - WINDOW + 1)):
-        end = _end_by_itself(layout.places[row - AROUND].motion)
-        # The proofs of a window include some motions before it. The start of these motions must be known even
-        # without the motions before them.
-        if end is None or not all(place.size for place in layout.places[row - AROUND : row + AROUND]):
+        # The motions around a cut have moves, so that each window has whole motions at its ends.
+        if not all(place.size for place in layout.places[row - AROUND : row + AROUND]):
             continue
         # Choose the end with the largest hash: the choice depends on the goals, not on their places in the
         # text.
-        chance = crc32(end.tobytes())
+        chance = crc32(starts.flange[row].tobytes())
         if chance > best:
             best, chosen = chance, row
     return chosen
-
-
-def _end_by_itself(motion: hir.Motion) -> Array | None:
-    """Return a motion's programmed end, or None if the end depends on where the motion starts."""
-    match motion:
-        case hir.JointMove(goal=hir.JointGoal(q=q)):
-            return q
-        case hir.TimedMove(table=table):
-            return np.asarray(table.positions[-1])
-        case hir.LineMove(goal=hir.PoseGoal() as goal) | hir.ArcMove(goal=hir.PoseGoal() as goal):
-            return goal.base_from_moving
-        case hir.PoseSplineMove(waypoints=waypoints):
-            return waypoints[-1].base_from_moving
-    return None
 
 
 def _stretches(places: Sequence[Place]) -> Iterator[range]:
@@ -234,8 +218,9 @@ def _control(layout: Layout, segments: slice) -> slice:
 class _Said:
     """The numbers of a layout as bytes, from which the cache keys of windows are cut."""
 
-    def __init__(self, layout: Layout, claims: Claims) -> None:
+    def __init__(self, layout: Layout, starts: Starts, claims: Claims) -> None:
         self._layout, self._claims = layout, claims
+        self._starts, self._flanges = starts.q.tobytes(), starts.flange.tobytes()
         self._control = layout.control.tobytes()
         self._row = layout.control.itemsize * layout.control.shape[1]
         # Store the steps from one segment's control points to the next one's, since the steps do not depend
@@ -258,6 +243,8 @@ class _Said:
             self._time[begin:end],
             self._begins[first:last],
             self._ends[first:last],
+            self._starts[first:last],
+            self._flanges[rows.start * _POSE : rows.stop * _POSE],
             *[self._motion(place) for place in places],
         )
 
@@ -279,10 +266,12 @@ class _Said:
 
 _NUMBER = 8
 """Size in bytes of a number in `Layout.at` and `Layout.time`."""
+_POSE = 16 * _NUMBER
+"""Size in bytes of a pose in `Starts.flange`."""
 
 
-def _part(layout: Layout, windows: Sequence[_Window]) -> Layout:
-    """Return a layout that consists of several windows, one directly after the other."""
+def _part(layout: Layout, starts: Starts, windows: Sequence[_Window]) -> Part:
+    """Return the motions of several windows, one directly after the other."""
     control: list[Array] = [layout.control[:0]]
     at, time, places = [layout.at[:0]], [layout.time[:0]], list[Place]()
     points, segments = 0, 0
@@ -305,7 +294,7 @@ def _part(layout: Layout, windows: Sequence[_Window]) -> Layout:
             places[-1] = replace(places[-1], behind=None)
         points, segments = points + span.stop - span.start, segments + segments_of.stop - segments_of.start
     chosen = [row for window in windows for row in window.around]
-    return Layout(
+    part = Layout(
         np.concatenate(control),
         np.concatenate(at),
         np.concatenate(time),
@@ -313,3 +302,4 @@ def _part(layout: Layout, windows: Sequence[_Window]) -> Layout:
         layout.begins[chosen],
         layout.ends[chosen],
     )
+    return part, starts.take(chosen)

@@ -11,7 +11,6 @@ from types import MappingProxyType
 import numpy as np
 
 from yarclang import hir
-from yarclang.certify.blends.corner import tolerance_of
 from yarclang.certify.blends.flows import corners_of
 from yarclang.certify.bodies.clearance import NOTHING_NEAR, Apart, find_clearances
 from yarclang.certify.bodies.handled import Handled, follow
@@ -20,6 +19,7 @@ from yarclang.certify.bodies.touching import may_touch
 from yarclang.certify.bodies.zones import NO_ZONES, InZones, find_zones
 from yarclang.certify.certificate import Blended, CommandCertificate, Deviation, Kind, Load, Loads, ToolSpeed
 from yarclang.certify.flow import check_flow, check_rests
+from yarclang.certify.judged import tolerance_of
 from yarclang.certify.kinematics.pinocchio import disagreements
 from yarclang.certify.motion.bounds import Cubics
 from yarclang.certify.motion.joint import joint_weights

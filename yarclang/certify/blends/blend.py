@@ -19,9 +19,9 @@ from yarclang.certify.blends.ball import (
     joint_turn,
     radii,
 )
-from yarclang.certify.blends.corner import Judged
 from yarclang.certify.blends.flows import Corner, frame_of
 from yarclang.certify.certificate import Blended
+from yarclang.certify.judged import Judged
 from yarclang.certify.motion.bounds import Cubics
 from yarclang.certify.motion.joint import by_kind
 from yarclang.certify.motion.proved import Proofs

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from yarclang import hir
 from yarclang.certify.blends import tangent
 from yarclang.certify.blends.ball import radii
-from yarclang.certify.blends.corner import Judged, Starts
+from yarclang.certify.blends.starts import Starts
+from yarclang.certify.judged import Judged
 from yarclang.certify.motion.bounds import Cubics
 from yarclang.certify.motion.joint import joint_weights
 from yarclang.certify.read.layout import Layout

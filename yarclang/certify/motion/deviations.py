@@ -7,17 +7,10 @@ from dataclasses import replace
 import numpy as np
 
 from yarclang import hir
-from yarclang.certify.blends.corner import (
-    AT_REST,
-    Judged,
-    check_claims,
-    claimed_joints,
-    claimed_way,
-    find_starts,
-    shown,
-)
 from yarclang.certify.blends.flows import covered_by_balls, find_flows, speeds_asked
+from yarclang.certify.blends.starts import Starts
 from yarclang.certify.certificate import Deviation
+from yarclang.certify.judged import Judged, check_claims, claimed_joints, claimed_way, shown
 from yarclang.certify.kinematics.arm import flange_poses
 from yarclang.certify.motion.frames import frame_moves, moving_frame
 from yarclang.certify.motion.joint import JointLines, by_kind, frame_off, joint_weights, straight_deviations
@@ -32,18 +25,16 @@ from yarclang.robot.model import Array
 Rows = list[tuple[int, Place]]
 
 
-def find_deviations(judged: Judged, layout: Layout) -> Proofs:
+def find_deviations(judged: Judged, layout: Layout, starts: Starts) -> Proofs:
     """Bound the deviation of every step, and report each that is beyond the tolerance."""
-    count = len(layout.places)
-    poses = flange_poses(judged.robot.chain, np.concatenate([layout.begins, layout.ends]))
-    starts, flanges = find_starts(judged, layout, poses[:count]), poses[count:]
-    covered = np.tile([0.0, 1.0], (count, 1))
+    q, flanges = _ends(judged, layout, starts)
+    covered = np.tile([0.0, 1.0], (len(layout.places), 1))
     proofs = Proofs(starts, find_flows(judged, layout, starts), covered)
     chosen: dict[type, Rows] = {kind: [] for kind in hir.Motion.__args__}
     for row, place in enumerate(layout.places):
         chosen[type(place.motion)].append((row, place))
     for rows in row_chunks(chosen[hir.JointMove]):
-        _joint_moves(judged, layout, rows, flanges, proofs)
+        _joint_moves(judged, layout, rows, (q, flanges), proofs)
     asked = speeds_asked(judged, layout, proofs.flows)
     for kind in (hir.LineMove, hir.ArcMove):
         for rows in row_chunks(chosen[kind]):
@@ -53,7 +44,7 @@ def find_deviations(judged: Judged, layout: Layout) -> Proofs:
         frame_moves(judged, layout, [one], flanges, asked, proofs)
     for row, place in (*chosen[hir.SplineMove], *chosen[hir.AvoidMove]):
         go_on()
-        proofs.deviations[place.step] = _spline_move(judged, layout, row, place, proofs)
+        proofs.deviations[place.step] = _spline_move(judged, layout, row, place, q[row], proofs)
     for row, place in chosen[hir.TimedMove]:
         go_on()
         proofs.deviations[place.step] = timed_move(judged, layout, row, place, proofs.starts.q[row])
@@ -63,20 +54,29 @@ def find_deviations(judged: Judged, layout: Layout) -> Proofs:
     return proofs
 
 
+def _ends(judged: Judged, layout: Layout, starts: Starts) -> tuple[Array, Array]:
+    """Return the joint positions (P, n) [rad or m] and the flange poses (P, 4, 4) at the end of each motion.
+
+    They are those of the text, except for a motion without moves in a chain: the robot is not at rest there.
+    """
+    flows, inside = False, list[int]()
+    for row, place in enumerate(layout.places):
+        if place.size:
+            flows = place.behind is not None
+        elif flows:
+            inside.append(row)
+    q, flanges = layout.ends.copy(), flange_poses(judged.robot.chain, layout.ends)
+    q[inside], flanges[inside] = starts.q[inside], starts.flange[inside]
+    return q, flanges
+
+
 def _judge_deviation(judged: Judged, place: Place, deviation: Deviation) -> None:
     tolerance = judged.tolerance_of(place.motion)
-    at_end = tolerance.position, tolerance.angle
-    if place.behind is None:
-        # The next path begins here. From elsewhere within the tolerance, a turn of nearly 180 deg could go
-        # the other way round, and an arc of nearly a full circle could lie in another plane. The text's
-        # digits move the flange by 5 % of the tolerance at most.
-        general = judged.tolerance
-        at_end = min(general.position, at_end[0]) * AT_REST, min(general.angle, at_end[1]) * AT_REST
-    if deviation.end_position > at_end[0] or deviation.end_angle > at_end[1]:
+    if deviation.end_position > tolerance.position or deviation.end_angle > tolerance.angle:
         judged.find(
             "Y1160",
             f"the motion ends {shown(deviation.end_position, deviation.end_angle)} from its goal; "
-            f"{shown(*at_end)} are allowed (line {place.last_line})",
+            f"{shown(tolerance.position, tolerance.angle)} are allowed (line {place.last_line})",
             place.step,
         )
     elif not (deviation.position <= tolerance.position and deviation.angle <= tolerance.angle):
@@ -88,13 +88,16 @@ def _judge_deviation(judged: Judged, place: Place, deviation: Deviation) -> None
         )
 
 
-def _joint_moves(judged: Judged, layout: Layout, rows: Rows, flanges: Array, proofs: Proofs) -> None:
-    robot, starts, flows = judged.robot, proofs.starts, proofs.flows
+def _joint_moves(
+    judged: Judged, layout: Layout, rows: Rows, reached: tuple[Array, Array], proofs: Proofs
+) -> None:
+    """Prove motions along straight lines in joint space; `reached` are the ends of all motions (`_ends`)."""
+    robot, starts, flows, (stops, flanges) = judged.robot, proofs.starts, proofs.flows, reached
     goals, ends = [], []
     for row, place in rows:
         step = place.motion
         assert isinstance(step, hir.JointMove)
-        end = layout.ends[row]
+        end = stops[row]
         flows_on = place.behind is not None
         # The goal of a motion that flows on is not in the text, so the planner claims it. If the motion ends
         # at rest, its goal is its end in the text, which is compared with the programmed pose.
@@ -111,14 +114,13 @@ def _joint_moves(judged: Judged, layout: Layout, rows: Rows, flanges: Array, pro
         else:
             goal = step.goal.q if isinstance(step.goal, hir.JointGoal) else starts.q[row] + step.goal.dq
             goals.append(goal)
-            off = np.abs((end if place.size else starts.q[row]) - goal)
-            ends.append((0.0, 0.0) if flows_on else by_kind(off, robot))
+            ends.append((0.0, 0.0) if flows_on else by_kind(np.abs(end - goal), robot))
     control, following = [], []
     for row, _ in rows:
         begin, stop = flows.follow[row]
         following.append(bool(begin < stop) and not flows.is_cut(row))
         # A command without moves has one control point: the current position.
-        control.append(layout.points_of(begin, stop) if following[-1] else starts.q[row : row + 1])
+        control.append(layout.points_of(begin, stop) if following[-1] else stops[row : row + 1])
     first = np.cumsum([0, *(len(points) for points in control[:-1])])
     numbers = np.array([row for row, _ in rows])
     free = flows.free[numbers] & np.array(following)[:, None]
@@ -178,7 +180,10 @@ def _along_spline(judged: Judged, layout: Layout, row: int, points: Array, proof
     return spline_deviation(flows.cubics(layout, row), points, weights, law, free)
 
 
-def _spline_move(judged: Judged, layout: Layout, row: int, place: Place, proofs: Proofs) -> Deviation:
+def _spline_move(
+    judged: Judged, layout: Layout, row: int, place: Place, end: Array, proofs: Proofs
+) -> Deviation:
+    """Prove a spline in joint space that ends at the joint positions `end` (n,) [rad or m]."""
     robot, start = judged.robot, proofs.starts.q[row]
     step = place.motion
     assert isinstance(step, hir.SplineMove | hir.AvoidMove)
@@ -186,7 +191,6 @@ def _spline_move(judged: Judged, layout: Layout, row: int, place: Place, proofs:
     witness = claimed_way(judged, place)
     if witness is None:
         return Deviation(np.inf, np.inf, 0.0, 0.0)
-    end = layout.ends[row] if place.size else start
     end_position, end_angle = by_kind(np.abs(end - witness[-1]), robot)
     if place.behind is not None:
         end_position, end_angle = 0.0, 0.0
@@ -204,7 +208,7 @@ def _spline_move(judged: Judged, layout: Layout, row: int, place: Place, proofs:
         position, angle, rest = 0.0, 0.0, (0.0, 0.0)
         proofs.covered[row] = covered_by_balls(proofs.flows.free[row])
     else:
-        position, angle = by_kind(np.abs(points - start).max(axis=0), robot)
+        position, angle = by_kind(np.abs(points - end).max(axis=0), robot)
         rest = 0.0, 0.0
     deviation = Deviation(position, angle, end_position, end_angle, *rest)
     return replace(

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from yarclang import hir
-from yarclang.certify.blends.corner import Judged
 from yarclang.certify.blends.flows import Asked
 from yarclang.certify.certificate import Deviation, ToolSpeed
+from yarclang.certify.judged import Judged
 from yarclang.certify.motion.bounds import Cubics
 from yarclang.certify.motion.cartesian import Followed, Stretch, follow
 from yarclang.certify.motion.pose import distance
@@ -36,7 +36,7 @@ def frame_moves(
     moving = [(row, place) for row, place in rows if place.size]
     for row, place in rows:
         if not place.size:
-            _stays(place, proofs.starts.flange[row], proofs)
+            _stays(place, proofs.starts.flange[row], flanges[row], proofs)
     if not moving:
         return
     numbers = np.array([row for row, _ in moving])
@@ -76,11 +76,14 @@ def _is_beyond(found: Followed, stretch: Stretch) -> bool:
     return bool(found.position[0] > stretch.tolerance[0] or found.angle[0] > stretch.angle[0])
 
 
-def _stays(place: Place, flange: Array, proofs: Proofs) -> None:
-    """Prove a motion without moves: all its goals must be at the current pose."""
+def _stays(place: Place, start: Array, flange: Array, proofs: Proofs) -> None:
+    """Prove a motion without moves: all its goals must be at the flange's pose (4, 4).
+
+    A relative goal refers to the programmed `start` (4, 4) of the flange.
+    """
     step = place.motion
     if isinstance(step, hir.LineMove):
-        goals = [goal_pose(step.goal, flange)[1]]
+        goals = [goal_pose(step.goal, start)[1]]
         frame = step.goal.flange_from_moving
     elif isinstance(step, hir.ArcMove):
         goals, frame = [step.goal.base_from_moving], step.goal.flange_from_moving

@@ -6,9 +6,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from yarclang.certify.blends.corner import Judged, Starts
 from yarclang.certify.blends.flows import Flows
+from yarclang.certify.blends.starts import Starts
 from yarclang.certify.certificate import Deviation, ToolSpeed
+from yarclang.certify.judged import Judged
 from yarclang.certify.motion.programmed import FramePaths
 from yarclang.certify.motion.spline import NaturalSpline
 from yarclang.certify.read.layout import Place

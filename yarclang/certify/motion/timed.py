@@ -12,8 +12,8 @@ from __future__ import annotations
 import numpy as np
 
 from yarclang import hir
-from yarclang.certify.blends.corner import AT_REST, Judged
 from yarclang.certify.certificate import Deviation
+from yarclang.certify.judged import Judged
 from yarclang.certify.motion.bounds import Cubics
 from yarclang.certify.motion.joint import by_kind
 from yarclang.certify.read.layout import Layout, Place
@@ -235,7 +235,7 @@ def timed_move(judged: Judged, layout: Layout, row: int, place: Place, start: Ar
         layout: the commands of the text.
         row: row of the motion in the layout.
         place: the motion.
-        start: (n,) robot's position before the motion [rad or m].
+        start: (n,) joint positions at which the timetable begins [rad or m].
     """
     motion, robot = place.motion, judged.robot
     assert isinstance(motion, hir.TimedMove)
@@ -251,14 +251,13 @@ def timed_move(judged: Judged, layout: Layout, row: int, place: Place, start: Ar
                 off,
             )
     way = programmed(table, start)
-    end = layout.ends[row] if place.size else start
+    end = layout.ends[row]
     off_at_end = np.abs(end - table.positions[-1])
     if place.size:
         off, when = largest_difference(layout.cubics(place.first, place.last), way, within)
     else:
-        off, when = np.abs(way.bezier - start).max(axis=(0, 1)), np.zeros(len(start))
-    # The next path begins at the end, so it is compared more closely (see `deviations.py`).
-    if (off_at_end > within * AT_REST + _SAME).any():
+        off, when = np.abs(way.bezier - end).max(axis=(0, 1)), np.zeros(len(start))
+    if (off_at_end > within + _SAME).any():
         _report(
             judged,
             place,

@@ -26,7 +26,7 @@ from yarclang.progress import go_on
 from yarclang.robot.model import Array
 from yarclang.units import MS
 
-_BARRIERS: dict[type, str] = {
+BARRIERS: dict[type, str] = {
     hir.When: "when",
     hir.Else: "else",
     hir.EndWhen: "end",
@@ -330,7 +330,7 @@ def _with_places(
     standing = Standing(start)
     for entry, step in zip(entries, program.steps, strict=True):
         if not isinstance(step, hir.Motion):
-            kind = _BARRIERS.get(type(step))
+            kind = BARRIERS.get(type(step))
             if kind is not None:
                 standing.at = stand
                 with suppress(ValueError):  # the check of the text's flow reports it

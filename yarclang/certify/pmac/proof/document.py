@@ -10,8 +10,8 @@ import json
 from typing import Any
 
 from yarclang import hir
-from yarclang.certify.blends.corner import Judged
 from yarclang.certify.claims import Claims
+from yarclang.certify.judged import Judged
 from yarclang.certify.kinematics.arm import axes_of
 from yarclang.certify.kinematics.described import own_robot
 from yarclang.certify.kinematics.motors import counts_per_joint
@@ -75,7 +75,7 @@ def proof_of(
     judged = Judged(robot, tolerance, claims, lambda *_: None)
     steps, motions = [{"title": entry.title} for entry in checked.entries], dict[str, Any]()
     if layout.places:
-        all_ = Motions(judged, layout, {row.entry.step: row.first for row in rows})
+        all_ = Motions(judged, layout, program, {row.entry.step: row.first for row in rows})
         for place in layout.places:
             steps[place.step] |= all_.told[place.step]
         motions = all_.proofs

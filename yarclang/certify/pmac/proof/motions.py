@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from yarclang import hir
-from yarclang.certify.blends.corner import Judged, find_starts, tolerance_of
 from yarclang.certify.blends.flows import Corner, find_flows, frame_of
+from yarclang.certify.blends.starts import find_starts
 from yarclang.certify.bodies.zones import moving_of
 from yarclang.certify.claims import Claims
-from yarclang.certify.kinematics.arm import flange_poses
+from yarclang.certify.judged import Judged, tolerance_of
 from yarclang.certify.motion.frames import moving_frame
 from yarclang.certify.motion.joint import joint_weights
 from yarclang.certify.motion.programmed import goal_pose
@@ -60,9 +60,11 @@ class Motions:
         proofs: the data with which the checker checks a motion, by the motion's step written as a string.
     """
 
-    def __init__(self, judged: Judged, layout: Layout, firsts: Mapping[int, int]) -> None:
+    def __init__(
+        self, judged: Judged, layout: Layout, program: hir.Program, firsts: Mapping[int, int]
+    ) -> None:
         self._judged, self._layout, self._firsts = judged, layout, firsts
-        starts = find_starts(judged, layout, flange_poses(judged.robot.chain, layout.begins))
+        starts = find_starts(judged, layout, program)
         self._flows = find_flows(judged, layout, starts)
         self._begins = [Begin(q, flange) for q, flange in zip(starts.q, starts.flange, strict=True)]
         self.told: dict[int, dict[str, Any]] = {}

@@ -1,13 +1,15 @@
 """Check that each motion follows its path, and that blends between motions stay near the corners of their
 paths.
 
-A motion from rest to rest is a chain of one. In a chain of blended motions, each path begins at the
-programmed goal of the motion before. The proof names the places of the controller text between which a motion
-follows its path. A corner needs no further check if the first path is followed to its end, and the second one
-from its start on, without a gap. Otherwise the proof gives the radius of a ball around the corner. In the
-blend, the frame stays in the ball within the tolerance, and so do the sections of both paths that are not
-followed. The frame's angle from the corner is at most the tolerance plus the rotations in these sections.
-Between two joint motions, each joint has a ball (an interval) of its own.
+A motion from rest to rest is a chain of one. Each path begins at the programmed goal of the motion before,
+also where the robot rests: if it began where the text's numbers lead, a turn of nearly 180 deg could go the
+other way round. After a pose, the path of a joint motion begins at joint positions that were chosen for the
+pose, or at those of the text where the robot rests. The proof names the places of the controller text between
+which a motion follows its path. A corner needs no further check if the first path is followed to its end, and
+the second one from its start on, without a gap. Otherwise the proof gives the radius of a ball around the
+corner. In the blend, the frame stays in the ball within the tolerance, and so do the sections of both paths
+that are not followed. The frame's angle from the corner is at most the tolerance plus the rotations in these
+sections. Between two joint motions, each joint has a ball (an interval) of its own.
 """
 
 from collections.abc import Iterator, Sequence
@@ -47,8 +49,6 @@ _CHOSEN = Fraction(1, 1000)
 """Largest deviation from a corner's pose at the joint positions chosen for this pose [mm and deg]."""
 _CORNER = 32
 """Number of pieces into which the section of a path that a blend leaves out is cut."""
-_NEARLY = ONE >> 24
-"""Allowed error of a goal at rest besides rounding of the text: 6e-8 m or rad."""
 _STILL: Vector = [0, 0, 0]
 _FASTEST = Fraction(1 << 20)
 """Speed that stands for "no limit", since no robot is as fast [mm/s or deg/s]."""
@@ -120,7 +120,7 @@ def why_not(chain: Sequence[Link], proofs: dict[str, Any]) -> str:
 
 
 def check_chain(
-    chain: Sequence[Link], proofs: dict[str, Any], arm: Arm, digit: Fraction, notes: list[str]
+    chain: Sequence[Link], proofs: dict[str, Any], arm: Arm, stood: Told, notes: list[str]
 ) -> Iterator[str]:
     """Check a chain of blended motions, or a motion from rest to rest; yield the properties that are not
     checked.
@@ -129,7 +129,7 @@ def check_chain(
         chain: the motions, each with its description in the proof.
         proofs: the proof's data about motions, by the motion's step.
         arm: the arm.
-        digit: value of the last printed digit of the text [deg or mm].
+        stood: the description of the motion before the chain.
         notes: list to which is added when corners without a ball are passed, and which joint positions are
             chosen for poses.
     """
@@ -147,13 +147,14 @@ def check_chain(
             allowed += row.seconds / 2 if len(chain) > 1 else 0
             need(abs(late) <= allowed, f"{title}: it takes another time")
         if not row.control:
-            _stays(row, told, arm, digit)
+            _stays(row, told, arm)
             return
         if told["move"] == "timetable":
-            _on_time(row, told, proofs[str(row.entry.step)], arm, digit)
+            _on_time(row, told, proofs[str(row.entry.step)], arm, stood)
             return
         before = found[-1] if found else None
-        found.append(_follow(row, told, proofs[str(row.entry.step)], arm, digit, before))
+        found.append(_follow(row, told, proofs[str(row.entry.step)], arm, stood, before))
+        stood = told
         if isinstance(found[-1].path, Pieces) and any(goal["q"] is None for goal in told["through"]):
             goal = found[-1].path.goal
             each = zip(goal, arm.turns, strict=True)
@@ -165,7 +166,6 @@ def check_chain(
     begins = first.begin == chain[0][0].first and first.shares[0] == 0
     ends = last.end == chain[-1][0].last and last.shares[1] == ONE
     need(begins and ends, f"{title}: not shown to follow its path from its start to its end")
-    _check_end(last, digit)
     pairs = [_corner(one, other, proofs[str(one.motion.row.entry.step)]) for one, other in pairwise(found)]
     kept = [False, *pairs, False]
     for one in found[:-1]:
@@ -182,59 +182,18 @@ def check_chain(
         yield from _check_speeds(path, besides, kept[number : number + 2], corners[number : number + 2])
 
 
-def _check_end(last: Followed, digit: Fraction) -> None:
-    """Check that a motion that ends at rest is at its goal, to rounding: the next path begins there. A path
-    that begins elsewhere within the tolerance could turn the other way round, or bend out of its plane.
-    """
-    what, told, arm = last.what, last.told, last.motion.arm
-    off = [length(*e) for e, _ in error(what.at(last.end), last.path.at(ONE), 0)]
-    reach = what.reach if isinstance(what, Frames) else None
-    allowed = _rounding(arm, reach, digit, told["tolerance"])
-    _within(what, allowed, off, f"{last.motion.row.entry.title}, from its goal at rest")
-
-
-def _rounding(arm: Arm, reach: list[int] | None, digit: Fraction, tolerance: Sequence[Fraction]) -> list[int]:
-    """Return how far joints may be from a goal at rest, or the origin and the angle of a frame with a `reach`
-    from each joint.
-
-    A joint is off by at most a digit of the text. If the text has few digits, a tenth of the tolerance
-    counts.
-    """
-    steps = [in_si(digit, 1, turns) for turns in arm.turns]
-    limits, most = steps, _per_joint(tolerance, arm)
-    if reach is not None:
-        ways = zip(steps, reach, arm.turns, strict=True)
-        turned = sum(step for step, turns in zip(steps, arm.turns, strict=True) if turns)
-        limits = [sum(times(step, far) if turns else step for step, far, turns in ways), 2 * turned]
-        most = [in_si(tolerance[0], 1, False), in_si(tolerance[1], 1, True)]
-    tops = [max(top // 10, min(top, _NEARLY)) + SLACK for top in most]
-    return [min(limit + _NEARLY, top) for limit, top in zip(limits, tops, strict=True)]
-
-
-def _at_rest(
-    row: Moved, goal: Told, arm: Arm, digit: Fraction, tolerance: Sequence[Fraction]
-) -> list[Fraction]:
-    """Return how far a frame may be from its pose at the end of a motion at rest [mm and deg]."""
-    q = in_joints(row.end, PRINTED, arm.turns)
-    slides = [0 if turns else abs(one) + 1 for one, turns in zip(q, arm.turns, strict=True)]
-    reach = arm.reaches(len(q), arm.to_flange(placed(goal["tool"])[1]), slides)
-    far, angle = _rounding(arm, reach, digit, tolerance)
-    return [Fraction(far * 1000, ONE), Fraction(angle * 180, PI)]
-
-
-def _stays(row: Moved, told: Told, arm: Arm, digit: Fraction) -> None:
+def _stays(row: Moved, told: Told, arm: Arm) -> None:
     """Check that the goal of a motion without move lines is where the robot already is."""
     title, here = row.entry.title, in_joints(row.begin, PRINTED, arm.turns)
     if told["move"] in FRAMED:
-        limits = _at_rest(row, told, arm, digit, told["tolerance"])
-        _near(arm, here, told, limits, f"{title}: it leads nowhere, and its goal")
+        _near(arm, here, told, told["tolerance"], f"{title}: it leads nowhere, and its goal")
         return
-    for point in _goals(row, told, {}, arm, digit):
-        there = zip(point, here, _rounding(arm, None, digit, told["tolerance"]), strict=True)
+    for point in _goals(row, told, {}, arm):
+        there = zip(point, here, _per_joint(told["tolerance"], arm), strict=True)
         need(all(abs(a - b) <= allowed for a, b, allowed in there), f"{title}: it doesn't move")
 
 
-def _on_time(row: Moved, told: Told, proof: Told, arm: Arm, digit: Fraction) -> None:
+def _on_time(row: Moved, told: Told, proof: Told, arm: Arm, stood: Told) -> None:
     """Check that each joint is at the timetable's position at any time, within the joint's tolerance in
     `within`.
 
@@ -242,10 +201,8 @@ def _on_time(row: Moved, told: Told, proof: Told, arm: Arm, digit: Fraction) -> 
     timetable's by the rounding of the segment time. The difference is spread evenly over all segments.
     """
     title, motion, rows = row.entry.title, Motion(row, arm), told["rows"]
-    table, size = (
-        timetable(in_joints(row.begin, PRINTED, arm.turns), rows, arm.turns),
-        motion.end - motion.begin,
-    )
+    table = timetable(_stands(row, stood, arm), rows, arm.turns)
+    size = motion.end - motion.begin
     need(
         abs(told["duration"] - rows[-1]["at"]) < Fraction(1, 10**9), f"{title}: its table takes another time"
     )
@@ -254,7 +211,7 @@ def _on_time(row: Moved, told: Told, proof: Told, arm: Arm, digit: Fraction) -> 
         all(a <= b for a, b in zip(limits, most, strict=True)),
         f"{title}: a joint's part beyond its tolerance",
     )
-    if rows[0]["q"] is not None:  # the first row must be where the robot stands
+    if rows[0]["q"] is not None:  # the first row must be where the path begins
         stands = zip(in_joints(rows[0]["q"], 1, arm.turns), table.at(0), strict=True)
         _within(
             Joints(motion), limits, [abs(a - b) for a, ((b,), _) in stands], f"{title}, from its first row"
@@ -268,9 +225,6 @@ def _on_time(row: Moved, told: Told, proof: Told, arm: Arm, digit: Fraction) -> 
         pieces.append(Piece((end - begin) * row.seconds, s, (rate, rate), (rate, 0, 0), int(begin), end))
     for piece in distances(what, table, pieces, what.at(motion.begin)):
         _within(what, limits, piece.off, f"{title}, from its timetable")
-    off = [length(*e) for e, _ in error(what.at(motion.end), table.at(ONE), 0)]
-    allowed = _rounding(arm, None, digit, told["tolerance"])
-    _within(what, allowed, off, f"{title}, from the last row of its timetable")
 
 
 def _per_joint(limits: Sequence[Fraction], arm: Arm) -> list[int]:
@@ -278,7 +232,7 @@ def _per_joint(limits: Sequence[Fraction], arm: Arm) -> list[int]:
     return [in_si(limits[1] if turns else limits[0], 1, turns) for turns in arm.turns]
 
 
-def _goals(row: Moved, told: Told, proof: Told, arm: Arm, digit: Fraction) -> Iterator[Vector]:
+def _goals(row: Moved, told: Told, proof: Told, arm: Arm) -> Iterator[Vector]:
     """Yield the goals of a joint motion as joint positions. If they were chosen for a programmed pose, check
     that they reach this pose.
 
@@ -288,14 +242,13 @@ def _goals(row: Moved, told: Told, proof: Told, arm: Arm, digit: Fraction) -> It
     title, flows = row.entry.title, row.entry.blend is not None
     for goal in told["through"]:
         need(goal["q"] is not None or "pose" in goal, f"{title}: a goal that is nowhere")
-        if goal["q"] is not None:
-            point = in_joints(goal["q"], 1, arm.turns)
+        of_text = goal["q"] is None and not flows
+        if of_text:
+            point = in_joints(row.end, PRINTED, arm.turns)
         else:
-            point = (
-                in_joints(proof["goal"], 1, arm.turns) if flows else in_joints(row.end, PRINTED, arm.turns)
-            )
+            point = in_joints(proof["goal"] if goal["q"] is None else goal["q"], 1, arm.turns)
         if "pose" in goal:
-            limits = [_CHOSEN, _CHOSEN] if flows else _at_rest(row, goal, arm, digit, told["tolerance"])
+            limits = told["tolerance"] if of_text else [_CHOSEN, _CHOSEN]
             _near(arm, point, goal, limits, f"{title}: the joints that were chosen for a pose, which")
         yield point
 
@@ -311,11 +264,16 @@ def _near(arm: Arm, q: Sequence[int], told: Told, limits: Sequence[Fraction], wh
     need(near, f"{what} is {off / ONE * 1000:.6g} mm away, or turned too far")
 
 
-def _follow(
-    row: Moved, told: Told, proof: Told, arm: Arm, digit: Fraction, before: Followed | None
-) -> Followed:
-    """Check that a motion follows its path, which begins at the goal of the motion before, or where the robot
-    is at rest.
+def _follow(row: Moved, told: Told, proof: Told, arm: Arm, stood: Told, before: Followed | None) -> Followed:
+    """Check that a motion follows its path.
+
+    Args:
+        row: the motion.
+        told: the proof's description of the motion.
+        proof: the proof's data about the motion.
+        arm: the arm.
+        stood: the proof's description of the motion before.
+        before: the motion before, if it flows into this one.
     """
     title, motion = row.entry.title, Motion(row, arm)
     for name in ("s", "rates"):
@@ -324,20 +282,13 @@ def _follow(
     what: Frames | Joints
     path: FramePath | PoseSpline | Pieces
     if told["move"] in FRAMED:
-        tool, still = placed(told["tool"]), [0] * len(arm.turns)
-        if before is None:
-            frame = arm.frame(in_joints(row.begin, PRINTED, arm.turns), still, tool)
-        elif isinstance(before.path, Pieces):
-            frame = arm.frame(before.path.goal, still, tool)
-        else:
-            axes, origin = before.path.goal
-            frame = beyond(Frame(origin, axes, _STILL, _STILL), _seen_from(before.told, tool))
-        start = frame.axes, frame.origin
+        tool = placed(told["tool"])
+        start = _begins(stood, tool, arm)
         curve = PoseSpline if told["move"] == "spline of poses" else FramePath
         what, path = Frames(arm, tool, motion), curve(start, told, proof)
         limits = [in_si(told["tolerance"][0], 1, False), chord_of(in_si(told["tolerance"][1], 1, True))]
     else:
-        what, path = Joints(motion), _of_joints(row, told, proof, arm, digit, before)
+        what, path = Joints(motion), _of_joints(row, told, proof, arm, stood, before)
         limits = _per_joint(told["tolerance"], arm)
     first, last = (fixed(Fraction(proof["s"][k], SHARE)) for k in (0, -1))
     found = Followed(motion, told, what, path, begin, end, (first, last))
@@ -360,6 +311,30 @@ def _follow(
     return found
 
 
+def _goal(told: Told) -> Told:
+    """Return the last goal of a motion: the numbers of its pose, of its joint positions, or of both."""
+    goals: list[Told] = [told] if told["move"] in FRAMED else told.get("rows") or told["through"]
+    return goals[-1]
+
+
+def _stands(row: Moved, stood: Told, arm: Arm) -> Vector:
+    """Return the joint positions at which the path of a joint motion from rest begins: those of the goal of
+    the motion before, or of the text if that goal is a pose.
+    """
+    q = _goal(stood).get("q")
+    return in_joints(row.begin, PRINTED, arm.turns) if q is None else in_joints(q, 1, arm.turns)
+
+
+def _begins(stood: Told, tool: Step, arm: Arm) -> Step:
+    """Return the pose of a frame on the flange, `tool`, at the programmed goal of a motion."""
+    if "pose" in (goal := _goal(stood)):
+        axes, origin = placed(goal["pose"])
+        frame = beyond(Frame(origin, axes, _STILL, _STILL), _seen_from(goal, tool))
+    else:
+        frame = arm.frame(in_joints(goal["q"], 1, arm.turns), [0] * len(arm.turns), tool)
+    return frame.axes, frame.origin
+
+
 def _within(what: Frames | Joints, limits: Sequence[int], off: Sequence[int], where: str) -> None:
     """Refuse a frame, or joints, that may be farther from their path or corner than the limits allow."""
     for number, (limit, one) in enumerate(zip(limits, off, strict=True)):
@@ -370,16 +345,14 @@ def _within(what: Frames | Joints, limits: Sequence[int], off: Sequence[int], wh
         need(one <= limit, f"{where}: {who} away")
 
 
-def _of_joints(
-    row: Moved, told: Told, proof: Told, arm: Arm, digit: Fraction, before: Followed | None
-) -> Pieces:
+def _of_joints(row: Moved, told: Told, proof: Told, arm: Arm, stood: Told, before: Followed | None) -> Pieces:
     """Return the programmed path of a joint motion.
 
     After a Cartesian motion, the path begins at joint positions that the proof has chosen for the frame's
     goal.
     """
     if before is None:
-        start = in_joints(row.begin, PRINTED, arm.turns)
+        start = _stands(row, stood, arm)
     elif isinstance(before.path, FramePath | PoseSpline):
         start = in_joints(proof["start"], 1, arm.turns)
         what = f"{row.entry.title}: the joints that were chosen for the corner before, where the frame"
@@ -389,7 +362,7 @@ def _of_joints(
         need(max(apart, default=0) < PI // 2, f"{what} is in another posture")
     else:
         start = before.path.goal
-    points = [start, *_goals(row, told, proof, arm, digit)]
+    points = [start, *_goals(row, told, proof, arm)]
     need(told["move"] == "spline" or len(points) == 2, f"{row.entry.title}: a straight way has one goal")
     return through(points)
 

@@ -46,6 +46,7 @@ class Moved:
         last: index of the segment after the command's last one.
         before: number of segments of the blend at the command's start; None if it starts at rest.
         run: index of the command's sequence.
+        after: index of the command before it, on one of the ways that lead to it; -1 for the first command.
     """
 
     entry: Entry
@@ -57,6 +58,7 @@ class Moved:
     last: int = 0
     before: int | None = None
     run: int = -1
+    after: int = -1
 
     @property
     def seconds(self) -> Fraction:
@@ -151,6 +153,16 @@ def follow(text: Text) -> tuple[list[Moved], list[str]]:
     # The state is the position, or all positions at which the branches to this place end. The RAPID after
     # such a place leads to one of them exactly: differences never add up.
     standing, stood = Ways((text.start,), meet), (text.start,)
+    before, last, known = dict[int, int](), Ways(-1, lambda one, *_: one), 0
+
+    def reach(step: int) -> None:
+        """Note which command comes before each command, up to `step`."""
+        nonlocal known
+        for k in range(known, step + 1):
+            before[k] = -1 if last.at is None else last.at
+            last.at = last.at if last.at is None else k
+        known = step + 1
+
     waiting = deque(moving)
     behind: Item | None = None
     places: dict[int, Point | None] = {}
@@ -162,6 +174,7 @@ def follow(text: Text) -> tuple[list[Moved], list[str]]:
             need(behind is None or behind.kind != "run", f"line {item.line} comes before a motion's end")
         if item.kind == "run":
             step = _sequence(number, item, standing, waiting, found, done, step)
+            reach(step)
         elif item.kind == "stand":
             need(behind is not None and behind.kind == "barrier", f"line {item.line}: a RAPID elsewhere")
             here = item.points[0]
@@ -177,6 +190,8 @@ def follow(text: Text) -> tuple[list[Moved], list[str]]:
             step, stood = item.step, standing.at or stood
             ended = standing.at
             again = standing.passes(kind, item.line)
+            reach(step - 1)
+            last.passes(kind, item.line)
             if kind == "loop":  # each pass ends where the first one begins
                 standing.open[-1].again = standing.at
             if kind == "endloop" and ended and again:
@@ -191,12 +206,13 @@ def follow(text: Text) -> tuple[list[Moved], list[str]]:
     need(not waiting, "the map has a command whose moves aren't there")
     need(not standing.open, "a way or a loop of the text has no end")
     by_step = {one.entry.step: one for one in found}
+    reach(len(text.entries) - 1)
     at, rows = text.start, []
     for entry in text.entries:  # a command without moves is at the end of the branches before it
         if entry.step not in by_step:
             at = places.get(entry.step) or at
         one = by_step.get(entry.step) or Moved(entry, at, at)
-        at = one.end
+        one.after, at = before[entry.step], one.end
         rows.append(one)
     return rows, done
 

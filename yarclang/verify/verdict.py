@@ -163,7 +163,7 @@ def _verify(text: bytes, proof: dict[str, Any], verdict: Verdict) -> None:
             verdict.told.append(f"after {motion}: {deed}")
     low, full, words = content.marks
     verdict.told.append(f"guard: I16 {low} lines, I17 {full} lines, a buffer of {words} words")
-    _check_motions(rows, program, proof, arm, Fraction(1, 10**content.decimals), verdict)
+    _check_motions(rows, program, proof, arm, verdict)
     _list_later(content.registers, verdict)
     _check_bodies(rows, done, proof, arm, content.registers, verdict)
     _list_allowed(content.registers, proof["cell"]["bodies"], rows, verdict)
@@ -280,14 +280,9 @@ def _check_stands(start: tuple[int, ...], robot: dict[str, Any]) -> None:
 
 
 def _check_motions(
-    rows: list[Moved],
-    program: dict[str, Any],
-    proof: dict[str, Any],
-    arm: Arm,
-    digit: Fraction,
-    verdict: Verdict,
+    rows: list[Moved], program: dict[str, Any], proof: dict[str, Any], arm: Arm, verdict: Verdict
 ) -> None:
-    """Check each motion against its description in the proof; `digit` is the text's last digit."""
+    """Check each motion against its description in the proof."""
     for row, told in zip(rows, program["steps"], strict=True):
         title = row.entry.title
         _tell(title, told, verdict)
@@ -315,6 +310,9 @@ def _check_motions(
     strange = " ".join(unknown(one, _OF_MOTION) for one in proof["motions"].values()).strip()
     need(not strange, f"a motion of the proof has {strange}, which this checker doesn't know")
     widest, alone, still, flowing = [Fraction(0), Fraction(0)], 0, 0, 0
+    stood = [{"move": "start", "through": [{"q": program["start"]}]}]  # the last motion before each command
+    for row, told in zip(rows, program["steps"], strict=True):
+        stood.append(told if "move" in told else stood[row.after + 1])
     for links in chains_of(rows, program["steps"]):
         reason, title = why_not(links, proof["motions"]), links[0][0].entry.title
         if reason:
@@ -322,7 +320,9 @@ def _check_motions(
                 title += f" to {links[-1][0].entry.title}, {len(links)} motions that flow into each other"
             verdict.unchecked.append(f"{title}: path, goal, time and speed ({reason})")
         else:
-            verdict.unchecked += check_chain(links, proof["motions"], arm, digit, verdict.told)
+            verdict.unchecked += check_chain(
+                links, proof["motions"], arm, stood[links[0][0].after + 1], verdict.told
+            )
             if len(links) > 1:
                 flowing += len(links)
                 continue

@@ -61,15 +61,16 @@ def test_neighbours_with_one_segment_time_are_one_sequence():
     assert count == [120 + 40 + 34 - 2, made.plan.motions[3].curve.segments - 2]
 
 
-def test_the_guard_is_armed_before_the_first_move_and_disarmed_while_enough_is_ahead():
+def test_the_guard_is_armed_before_the_first_move_and_disarmed_after_the_last_one():
     made, _ = compiled(PROGRAM)
     lines = lines_of(made.text)
     low, full = (int(next(line for line in lines if line.startswith(name))[4:]) for name in ("I16=", "I17="))
     moves = [number for number, line in enumerate(lines) if re.match(r"X[-0-9]", line)][1:]
     armed, disarmed = lines.index("P8100=1"), lines.index("P8100=0")
-    assert armed < moves[0]
-    ahead = sum(number > disarmed for number in moves)
-    assert low <= ahead <= low + 3 < full
+    assert armed + 1 == moves[0]
+    assert disarmed - 1 == moves[-1]
+    assert lines[disarmed : disarmed + low + 2] == ["P8100=0"] * (low + 2)
+    assert low + 2 < full
 
 
 def test_a_short_program_is_not_guarded():

@@ -310,11 +310,13 @@ def emit(robot, start, jobs, target="rotary", decimals=9) -> str:
             f"DEFINE ROT {max(480, (full + 2) * (len(axes) + 2))}",
         ]
     if count > full + 2:
-        for row, flag in ((len(body) - low - 2, 0), (moves[0], 1)):
-            body.insert(row, f"P8100={flag}")
-            places = {
-                step: (first + (first >= row), last + (last >= row)) for step, (first, last) in places.items()
-            }
+        behind = moves[-1] + 1
+        body[behind:behind] = ["P8100=0"] * max(low + 2 - (len(body) - behind), 1)
+        body.insert(moves[0], "P8100=1")
+        places = {
+            step: (first + (first >= moves[0]), last + (last >= moves[0]))
+            for step, (first, last) in places.items()
+        }
     stands = "".join(
         f"{letter}{value:.{decimals}f}" for letter, value in zip(axes, np.asarray(start) / units, strict=True)
     )

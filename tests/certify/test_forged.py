@@ -117,7 +117,13 @@ def late_arm(text):
 
 def early_disarm(text):
     dropped = text.drop(text.find("P8100=0"))
-    return dropped.put(dropped.moves()[3], "P8100=0")
+    return dropped.put(dropped.moves()[-1], "P8100=0")
+
+
+def never_disarmed(text):
+    while any(line == "P8100=0" for line in text.lines):
+        text = text.drop(text.find("P8100=0"))
+    return text
 
 
 def moved_barrier(text):
@@ -175,7 +181,8 @@ CHANGES = {
     "armed late": (ROTARY, late_arm),
     "disarmed at once": (ROTARY, lambda t: t.put(t.find("P8100=1") + 1, "P8100=0")),
     "disarmed early": (ROTARY, early_disarm),
-    "never disarmed": (ROTARY, lambda t: t.drop(t.find("P8100=0"))),
+    "disarmed, and too few lines follow": (ROTARY, lambda t: t.drop(t.find("P8100=0"))),
+    "never disarmed": (ROTARY, never_disarmed),
     "low mark": (ROTARY, lambda t: t.change("I16=.*", "I16=0")),
     "full mark": (ROTARY, lambda t: t.change("I17=.*", "I17=1")),
     "marks beyond the buffer": (ROTARY, lambda t: t.change("I17=.*", "I17=99999")),

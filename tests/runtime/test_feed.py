@@ -2,7 +2,6 @@
 lines. It sends each line once and in order, whatever the controller executes in the meantime.
 """
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from runtime.virtual import example_of, prepared
 
-from yarclang.runtime.pmac.feed import AHEAD, AROUND, Feed
+from yarclang.runtime.pmac.feed import AHEAD, Feed
 from yarclang.runtime.pmac.loading import Loading, capacity_of, loading_of
 from yarclang.runtime.pmac.packets import fitting
 
@@ -20,16 +19,15 @@ SEGMENT = 0.01
 
 def job_of(gaps, words=480, guarded=False):
     """Return a job of moves that take `SEGMENT` each. `gaps` has the number of lines without a duration
-    before each move. If `guarded`, a line disarms the guard before the last 15 moves.
+    before each move. If `guarded`, ten lines disarm the guard after the last move.
     """
     model, _ = prepared()
     lines, times = [], []
     for number, gap in enumerate(gaps, 1):
-        if guarded and number == max(1, len(gaps) - 14):
-            lines.append("P8100=0")
-            times.append(0.0 if number == 1 else number * SEGMENT)
         lines += [f"P{n}=0" for n in range(gap)] + [f"X{number}.123456Y{number}.123456Z0A0B0C0"]
         times += [0.0 if number == 1 else number * SEGMENT] * gap + [number * SEGMENT]
+    lines += ["P8100=0"] * (10 * guarded)
+    times += [(len(gaps) + 2) * SEGMENT] * (10 * guarded)
     return replace(
         model,
         lines=tuple(lines),
@@ -201,42 +199,14 @@ def test_a_buffer_runs_dry_only_between_moves(gaps, dry):
     assert not feed.runs_low(1e9)
 
 
-def all_packets(job):
-    """Return the packets of a job if the controller takes one line at a time, and only when the feed waits.
-    Meanwhile the buffer never falls to the mark at which this computer holds.
-    """
-    feed, packets, ahead = Feed(job), [], 0
-    while feed.left:
-        if packet := feed.packet():
-            packets.append(packet)
-            feed.written(len(packet))
-            ahead += len(packet)
-        else:
-            ahead -= 1
-            assert ahead > feed.low
-            feed.heard(ahead, 0.0, 0.0)
-    assert tuple(line for packet in packets for line in packet) == job.lines
-    return packets
-
-
-@pytest.mark.parametrize("tm", [5, 10, 20, 50])
-def test_the_last_moves_are_sent_in_one_packet(tm):
-    """If the computer fails before the last packet, so much is missing that the guard holds in time."""
-    job, _ = example_of("INDUSTRIAL6", tm=tm)
-    assert "P8100=0" in job.lines
-    last = all_packets(job)[-1]
-    moves = sum(line.startswith("X") for line in last)
-    full = fitting(job.lines, len(job.lines) - len(last) - 1, AROUND) <= len(last)
-    assert moves >= math.ceil(0.1 / job.segment) + 3 or full
-
-
-def test_lines_after_the_last_move_do_not_make_the_feed_wait():
-    lines = job_of([0] * 100 + [50], guarded=True)
-    assert len(all_packets(lines)) > 3
-    text = "OUTPUT A M20\nDEFAULT (deg,s)\nP0001 MOVEJ 40 0 0 0 0 0 [9]\n"
-    job, _ = prepared(text + "".join(f"P{n:04d} SET A {'ON' if n % 2 else 'OFF'}\n" for n in range(10, 210)))
-    assert "P8100=0" in job.lines
-    assert len(all_packets(job)[-1]) > 5
+def test_lines_that_disarm_the_guard_are_needed():
+    """Until they are in the buffer, the guard would hold the last moves."""
+    job = job_of([0] * 100, words=2000, guarded=True)
+    feed = Feed(job)
+    for sent, needed in ((50, True), (100, True), (109, True), (110, False)):
+        feed.written(sent - feed.sent)
+        feed.heard(3, 1.0, 1.0)
+        assert feed.runs_low(1.0) == needed
 
 
 def test_few_lines_ahead_are_low_water_and_before_that_hunger():

@@ -28,8 +28,9 @@ from yarclang.robot.description import load_robot
 from yarclang.verify.arm import Arm
 from yarclang.verify.chains import _goals, _stays
 from yarclang.verify.course import Ways, _sequence
-from yarclang.verify.exact import RefusedError
+from yarclang.verify.exact import ONE, PI, RefusedError, sine_and_cosine
 from yarclang.verify.parts import check_parts
+from yarclang.verify.paths import turn
 from yarclang.verify.reader import PRINTED, Entry, read
 from yarclang.verify.verdict import ALWAYS_UNCHECKED, Verdict, _list_allowed, verify
 
@@ -101,14 +102,10 @@ def turned(begin, end):
 def test_a_path_begins_at_the_programmed_goal():
     """From elsewhere within the tolerance, the turn goes the other way round, which is 360 deg of a joint."""
     assert [one.code for one in judged_as(turned(0, 179.999), turned(0, 179.999))[1]] == []
-    _, found = judged_as(turned(0, 179.999), turned(-0.0015, 179.999))
+    text, found = judged_as(turned(0, 179.999), turned(-0.0015, 179.999))
     assert [one.code for one in found] == ["Y1159"]
     assert "P0020" in found[0].message
-    text, _ = judged_as(turned(0, 179.99), turned(-0.015, 179.99))
-    proof = table(turned(0, 179.99))
-    for step in proof["program"]["steps"]:
-        step["tolerance"] = [1, 1]
-    assert "P0020 MOVEL 3, from its path" in verdict(text, proof).refused
+    assert "P0020 MOVEL 3, from its path" in verdict(text, table(turned(0, 179.999))).refused
 
 
 @pytest.mark.parametrize(
@@ -131,12 +128,19 @@ def test_errors_of_relative_motions_do_not_add_up(line, other):
     assert "P0020" not in {one.message[:5] for one in found}
 
 
-def test_a_turn_without_a_certain_direction_has_no_proof():
-    line = "P0010 MOVEJ_RPY 200 1000 900 0 0 0 [5]\nP0020 MOVEL 200 1000 900 0 {} 0 [20]\n"
-    program = "DEFAULT {TCP} [3] (mm,deg,s) {B}\n" + line
-    assert proof_of(compiled(program.replace("{}", "179.9"))[0]).value
-    (finding,) = proof_of(compiled(program.replace("{}", "179.999"))[0]).diagnostics
-    assert "direction isn't certain" in finding.message
+@pytest.mark.parametrize("end", ["179.9", "179.999", "179.9999"])
+def test_a_turn_of_nearly_half_a_turn_has_a_proof(end):
+    assert proof_of(compiled(turned(0, end))[0]).value
+
+
+def test_a_turn_without_a_certain_direction_is_refused():
+    """The planner refuses half a turn to 1e-6 rad, and the checker to 5e-7 rad."""
+    angle = PI - (ONE >> 22)
+    sine, cosine = sine_and_cosine(angle)
+    start = [[ONE, 0, 0], [0, ONE, 0], [0, 0, ONE]]
+    goal = [[cosine, sine, 0], [-sine, cosine, 0], [0, 0, ONE]]
+    with pytest.raises(RefusedError, match="direction isn't certain"):
+        turn(start, goal, [0, 0, ONE], angle)
 
 
 def test_a_jerk_without_a_limit_beside_a_motion_is_told():
@@ -293,7 +297,7 @@ def test_a_motion_without_moves_is_at_its_goal(off, refused):
 
 @pytest.mark.parametrize(("off", "refused"), [("0.0005", True), ("0", False)])
 def test_joints_that_are_told_for_a_pose_are_at_it(off, refused):
-    """A motion with TOL 20 may end 20 mm from its pose. Joint positions that the proof gives are at the pose."""
+    """A motion with TOL 20 may end 20 mm from its pose. Joint positions that the proof gives are at it."""
     program = "DEFAULT {TCP} [3] (mm,deg,s) {B}\nP0010 MOVEJ_RPY 150 1100 1176 0 5 0 [5]\n"
     text, proof = made(program)
     steps = json.loads(proof, parse_float=Fraction, parse_int=Fraction)["program"]["steps"]

@@ -64,6 +64,10 @@ def guarded(body: tuple[Item, ...], robot: Robot, segment: float) -> tuple[tuple
     between two barriers are a stretch. If the buffer has room for a whole stretch, the stretch needs no
     guard, since all its lines are loaded before the motion begins.
 
+    The guard stays armed until after the last move of a stretch, since this computer can fail until all lines
+    are loaded. So that the guard doesn't hold the last moves, which have too few lines behind them, the line
+    that disarms it is repeated until there are enough.
+
     The controller counts lines, but only moves take time. So the low mark is the largest number of lines that
     contain the moves of a hold, in any guarded stretch.
 
@@ -107,41 +111,25 @@ class _Stretch:
 
         The controller executes all lines before the first move at once. If there are more of them than the
         lines with which any stretch begins, they count too, so that the buffer has room for them and for the
-        moves. It executes all lines after the last move at once, too, so the guard has to be disarmed before
-        them: else it would hold a robot that has arrived.
+        moves.
         """
         before = np.append(min(self.moves[0] - 1, _BEGINNING), self.moves[:-1])
         last = np.minimum(np.arange(len(self.moves)) + moves - 1, len(self.moves) - 1)
-        return max(int(np.max(self.moves[last] - before)), self.lines - int(self.moves[-1]) - _AHEAD)
+        return int(np.max(self.moves[last] - before))
 
     def guarded(self, marks: Watermarks) -> Iterator[Item]:
-        """Yield the items, with the guard armed before the first move and disarmed where the last lines are
-        in the buffer.
-        """
+        """Yield the items, with the guard armed before the first move and disarmed after the last one."""
         if not self.needs_guard(marks):
             yield from self.items
             return
-        left = self.lines - self.opening
-        armed = disarmed = False
-        for item in self.items:
-            if isinstance(item, Moves) and not armed:
+        moving = [place for place, item in enumerate(self.items) if isinstance(item, Moves)]
+        behind = self.lines - int(self.moves[-1])
+        for place, item in enumerate(self.items):
+            if place == moving[0]:
                 yield Assignment(ARMED, 1)
-                armed = True
-            before = left - (marks.low + _AHEAD)
-            size = _size(item)
-            if not disarmed and before < size:
-                disarmed = True
-                if before:
-                    assert isinstance(item, Moves)
-                    yield Moves(item.step, item.values[:before])
-                    yield Assignment(ARMED, 0)
-                    yield Moves(item.step, item.values[before:])
-                else:
-                    yield Assignment(ARMED, 0)
-                    yield item
-            else:
-                yield item
-            left -= size
+            yield item
+            if place == moving[-1]:
+                yield from [Assignment(ARMED, 0)] * max(marks.low + _AHEAD - behind, 1)
 
 
 def _stretches(body: tuple[Item, ...]) -> Iterator[_Stretch]:
@@ -173,16 +161,7 @@ def _size(item: Item) -> int:
 
 def _low(stretches: list[_Stretch], moves: int, marks: Watermarks) -> int:
     """Return the low mark that the stretches need that have a guard with the given marks."""
-    low = moves
-    for one in stretches:
-        if one.needs_guard(marks):
-            low = max(low, one.low(moves))
-            if one.lines - int(one.moves[0]) < marks.low + _AHEAD:
-                # The first move comes after many lines that don't move, and fewer lines than the low mark
-                # follow it, so there is no line at which the guard could be disarmed. With this low mark, the
-                # buffer has room for the whole stretch.
-                low = max(low, 2 * (one.lines - _AHEAD) // 3 + 1)
-    return low
+    return max([moves, *(one.low(moves) for one in stretches if one.needs_guard(marks))])
 
 
 def _moves_ahead(robot: Robot, segment: float) -> int:

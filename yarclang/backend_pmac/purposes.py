@@ -11,7 +11,7 @@ _PUT = re.compile(r"(?!P8100=)[IPQM]\d+=.*")
 _GUARD = re.compile(r"P8100=([01])")
 _SPLINE = "SPLINE1"
 _TIME = "the segment time of the moves that follow"
-_GUARDS = ("it disarms the guard: fewer lines are left than it needs", "it arms the guard")
+_GUARDS = ("it disarms the guard, after the last move", "it arms the guard")
 _AT_REST = "DWELL0"
 """Line at which the robot comes to rest before an output or a barrier. A dwell of the program has another
 time.

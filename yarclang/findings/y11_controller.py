@@ -173,9 +173,9 @@ FINDINGS: tuple[Finding, ...] = (
         "the guard doesn't cover the motion",
         "While a program is streamed, P8100 arms a PLC, the guard. The guard holds the motion on its path "
         "as soon as fewer than I16 lines are left in the buffer. It must be armed before the first move, "
-        "with values of I16 and I17 that leave enough motion for the hold. It must stay armed until the "
-        "last lines are in the buffer. Otherwise, if the host fails, the buffer may run empty while the "
-        "robot moves.",
+        "with values of I16 and I17 that leave enough motion for the hold. It must stay armed until after "
+        "the last move, and enough lines must follow that disarm it. Otherwise, if the host fails, the "
+        "buffer may run empty while the robot moves.",
     ),
     Finding(
         "Y1191",

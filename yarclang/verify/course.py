@@ -359,15 +359,16 @@ def check_guard(text: Text, robot: dict[str, Any]) -> None:
                 f"the lines from {begin + 1} to {end} arm or disarm the guard, and fit into the buffer",
             )
             continue
-        armed = [on for _, on in arms] == [True, False]
-        need(armed, f"the guard isn't armed and disarmed once from line {begin} on")
-        on, off = (line for line, _ in arms)
+        armed = [on for _, on in arms] == [True, *[False] * (len(arms) - 1)] and len(arms) > 1
+        need(armed, f"the guard isn't armed once, and then disarmed, from line {begin} on")
+        (on, _), *off = arms
         need(on < moves[0], f"line {on}: the guard is armed late")
-        need(low <= end - off <= low + _AHEAD, f"line {off}: the guard is off too early or late")
-        # From each line on, I16 lines contain enough moves, or all that are left. The line that disarms isn't
-        # counted: the controller has taken more moves out of the buffer than it has executed.
-        numbers = [on - 1, *(line - (1 if line < off else 2) for line in moves)]
-        last = [*numbers[moves_needed:], *([numbers[-1]] * moves_needed)]
+        behind = [line for line, _ in off] == list(range(moves[-1] + 1, moves[-1] + 1 + len(off)))
+        need(behind, f"line {off[0][0]}: the guard isn't disarmed directly after the last move")
+        need(end - moves[-1] >= low + _AHEAD, f"line {end}: the guard would hold the last moves")
+        # From each line on, I16 lines contain enough moves, or all that are left.
+        numbers = [on, *moves]
+        last = [*moves[moves_needed - 1 :], *([moves[-1]] * moves_needed)]
         for number, ahead in zip(numbers, last, strict=False):
             need(ahead - number <= low, f"I16 lines after line {number} have too few moves for a hold")
 

@@ -3,8 +3,9 @@
 While the guard is armed, the controller's PLC 29 stops the motion on its path as soon as fewer than I16 lines
 are ahead.
 
-A text arms the guard before the first move, and disarms it only when the last lines are in the buffer. The
-controller counts all lines that it stores, not only those that move the robot.
+A text arms the guard before the first move, and disarms it after the last one. Enough lines follow, so that
+the guard doesn't hold the last moves. The controller counts all lines that it stores, not only those that
+move the robot.
 """
 
 from __future__ import annotations
@@ -130,37 +131,35 @@ def _check_stretch(stretch: _Stretch, needed: int, marks: Marks) -> Iterator[Fau
             f"{len(moves) - 1} more moves follow"
         )
         return
-    if len(arms) < 2:
+    off = [one.line for one in arms[1:]]
+    last = int(moves[-1])
+    if not off:
         yield (
             f"the guard is armed in line {arms[0].line} and never disarmed: it would hold the motion at its "
             "end"
         )
         return
-    if len(arms) > 2 or arms[1].on:
-        extra = arms[1] if arms[1].on else arms[2]
-        yield f"line {extra.line} arms or disarms the guard once more"
+    if wrong := next((one.line for one in arms[1:] if one.on), None):
+        yield f"line {wrong} arms the guard once more"
         return
-    ahead = stretch.last - arms[1].line
-    if not marks.low <= ahead <= marks.low + AHEAD:
+    if off != list(range(last + 1, last + 1 + len(off))):
+        wrong = next(line for number, line in enumerate(off) if line != last + 1 + number)
+        yield f"line {wrong} disarms the guard: that belongs directly after the last move (line {last})"
+        return
+    if stretch.last - last < marks.low + AHEAD:
         yield (
-            f"line {arms[1].line} disarms the guard with {ahead} lines left: {marks.low} (I16) to "
-            f"{marks.low + AHEAD} are allowed"
+            f"only {stretch.last - last} lines follow the last move in line {last}: with fewer than "
+            f"{marks.low + AHEAD} (I16 + {AHEAD}), the guard would hold the motion at its end"
         )
     yield from _check_lines_ahead(stretch, needed, marks)
 
 
 def _check_lines_ahead(stretch: _Stretch, needed: int, marks: Marks) -> Iterator[Fault]:
-    """Check that from each line on, I16 lines contain `needed` moves, or all moves that are left.
-
-    The line that disarms the guard doesn't count: the controller has always taken one more move out of the
-    buffer than it has executed (`AHEAD`).
-    """
-    moves, arms = stretch.moves, stretch.arms
+    """Check that from each line on, I16 lines contain `needed` moves, or all moves that are left."""
+    moves = stretch.moves
     rows = np.arange(len(moves))
     last = np.minimum(rows + needed - 1, len(moves) - 1)
-    # The numbers of the moves, without the lines that arm and disarm the guard.
-    plain = moves - np.searchsorted([one.line for one in arms], moves)
-    spans = plain[last] - np.append(arms[0].line - 1, plain[:-1])
+    spans = moves[last] - np.append(stretch.arms[0].line, moves[:-1])
     widest = int(np.argmax(spans))
     if spans[widest] > marks.low:
         yield (

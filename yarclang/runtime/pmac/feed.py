@@ -4,7 +4,6 @@ the time is an argument.
 
 from __future__ import annotations
 
-import math
 from typing import TypeAlias
 
 import numpy as np
@@ -31,7 +30,7 @@ controller's largest override is less (TSRM 276).
 """
 
 _DISARMS = f"{ARMED}=0"
-"""Line that disarms the guard, near the end of a job that arms it."""
+"""Line that disarms the guard, after the last move of a job that arms it; it is repeated."""
 
 _LATE = 0.1
 """Time by which the host may be late before the guard PLC holds [s]."""
@@ -67,8 +66,7 @@ class Feed:
         """
         self.plenty = (loading_of(job).full + job.capacity) // 2
         """If fewer lines are ahead, sending more lines takes precedence over everything else."""
-        last = _last_lines(job, self._moves)
-        self._last = last if job.capacity - last > self.plenty else 0
+        self._guarded = len(job.lines) - job.lines[::-1].index(_DISARMS) if _DISARMS in job.lines else 0
 
     @property
     def left(self) -> int:
@@ -148,15 +146,11 @@ class Feed:
         self._asked_then, self._then = asked_at, now
 
     def packet(self) -> tuple[str, ...]:
-        """Return the next lines for the controller, as many as fit into the buffer and into a packet. The
-        last lines of the job (`_last_lines`) are sent in one packet, once there is room for all of them.
-        """
+        """Return the next lines for the controller, as many as fit into the buffer and into a packet."""
         most = min(self.room, self.left)
         if most <= 0:
             return ()
         count = min(most, fitting(self.job.lines, self.sent, AROUND))
-        if 0 < self.left - count < self._last:
-            count = max(0, self.left - self._last)
         return self.job.lines[self.sent : self.sent + count]
 
     def written(self, count: int) -> None:
@@ -180,13 +174,13 @@ class Feed:
         return self.left > 0 and self.at_least(now) < self.plenty
 
     def runs_low(self, now: float) -> bool:
-        """Return True if the buffer may soon lack lines: the program has begun and has unsent moves, and too
-        few lines are in the buffer.
+        """Return True if the buffer may soon lack lines: the program has begun and has unsent lines that move
+        the robot or disarm the guard, and too few lines are in the buffer.
 
-        If no unsent line moves the robot, the buffer may run empty: the robot comes to rest at the end of its
-        last move.
+        After these lines, the buffer may run empty: the robot comes to rest at the end of its last move.
         """
-        return self._moves_before(self.sent) < len(self._moves) and self.at_least(now) < self.low
+        needed = self._moves_before(self.sent) < len(self._moves) or self.sent < self._guarded
+        return needed and self.at_least(now) < self.low
 
     @property
     def ran_dry(self) -> bool:
@@ -211,23 +205,3 @@ def _moves(job: Job) -> IntArray:
     lasts = np.diff(np.append(job.times, job.duration)) > 0.0
     lasts[[row for row, _ in job.dwells]] = False
     return np.flatnonzero(lasts & (job.times > 0.0))
-
-
-def _last_lines(job: Job, moves: IntArray) -> int:
-    """Return the number of lines at the end of a job that are sent in one packet: those of the moves that
-    begin within `_LATE`, and of `AHEAD` and one more move. If they don't fit into a packet, as many lines as
-    fit.
-
-    The guard is disarmed a few moves before the end. If this computer failed when only a few lines are
-    missing, the guard could notice this too late: it would be disarmed already, and the robot would come to
-    rest off its path. If at least these moves are missing, the guard holds in time.
-    """
-    if _DISARMS not in job.lines:
-        return 0
-    needed = math.ceil(_LATE / job.segment) + AHEAD + 1
-    if len(moves) < needed:
-        return 0
-    count = len(job.lines) - int(moves[-needed])
-    while fitting(job.lines, len(job.lines) - count, AROUND) < count:
-        count -= 1
-    return count

@@ -205,10 +205,11 @@ def test_the_tool_stays_as_near_to_its_line_as_the_certificate_proves(target):
     arm = Arm.in_folder(robot.folder)
     lines = [(command, counts) for command, _, counts in traces if command.kind == "line"]
     assert [command.index for command, _ in lines] == ["P0040", "P0050", "P0060"]
+    points, rotations = arm.poses(np.degrees(robot.home[None]))
+    goal = points[0], rotations[0]
     for command, counts in lines:
-        q = from_counts(robot, counts)
-        points, rotations = arm.poses(np.degrees(q[:1]))
-        distance, angle = off_line(arm, Trace(q), *goal_of(command.index, points[0], rotations[0]))
+        goal = goal_of(command.index, *goal)  # each line begins at the goal of the motion before
+        distance, angle = off_line(arm, Trace(from_counts(robot, counts)), *goal)
         assert distance <= command.deviation.position * 1e3 + 1e-5, (command.index, distance)
         assert angle <= np.degrees(command.deviation.angle) + 1e-6, (command.index, angle)
 

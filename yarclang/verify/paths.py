@@ -43,8 +43,8 @@ _SAME = ONE >> 30
 _ROUND = ONE >> 42
 """Largest error of an arc's points and roundness: 2e-13 m. The arc is then off by less than 1e-9 m."""
 OPPOSITE = ONE >> 21
-"""Least angle by which a turn is less than half a turn: 5e-7 rad. Closer to half a turn, rounding could change
-its direction.
+"""Least angle by which a turn is less than half a turn: 5e-7 rad. Closer to half a turn, rounding could
+change its direction.
 """
 STILL = ONE // 10**6
 """Lengths and angles below this are regarded as rounding errors [m or rad]."""

@@ -177,10 +177,13 @@ class Feed:
         """Return True if the buffer may soon lack lines: the program has begun and has unsent lines that move
         the robot or disarm the guard, and too few lines are in the buffer.
 
-        After these lines, the buffer may run empty: the robot comes to rest at the end of its last move.
+        After these lines, the buffer may run empty: the robot comes to rest at the end of its last move. If
+        the robot may be there already, a hold would have no effect.
         """
-        needed = self._moves_before(self.sent) < len(self._moves) or self.sent < self._guarded
-        return needed and self.at_least(now) < self.low
+        ahead = self.at_least(now)
+        if self._moves_before(self.sent) == len(self._moves):
+            return self.sent < self._guarded and 0 < ahead < self.low
+        return ahead < self.low
 
     @property
     def ran_dry(self) -> bool:

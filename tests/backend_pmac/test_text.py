@@ -1,5 +1,7 @@
 """Tests of the emitted text: forbidden content, the guard of the rotary buffer, segment times, decimals."""
 
+import hashlib
+import json
 import re
 
 import numpy as np
@@ -8,12 +10,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 from programs import compiled
 
+from tests.certify.forging import Forger
 from yarclang.backend_pmac.decimals import decimals_for
 from yarclang.backend_pmac.emit import segment_time
 from yarclang.backend_pmac.guard import watermarks
 from yarclang.backend_pmac.move_lines import move_lines
+from yarclang.certify.pmac.reader import READER
+from yarclang.memory import NO_MEMORY
+from yarclang.pipeline.proofs import proof_of
 from yarclang.pmac.variables import signal_variable
 from yarclang.robot.actuation import counts_per_joint
+from yarclang.verify.verdict import verify
 
 PROGRAM = """DEFAULT {TCP} (mm,deg,s) {B}
 P0010 MOVEJ 0 -10 -40 0 50 0 [6]
@@ -182,6 +189,28 @@ def test_an_output_is_set_in_motion_only_where_the_motions_really_flow():
     made, _ = compiled(FLOWING.replace(" BLEND 2", "").format(variable="P100", blend=""))
     assert "P100=1" in lines_of(made.text)
     assert "==" not in "".join(lines_of(made.text))
+
+
+@pytest.mark.parametrize("count", [64, 65])
+def test_a_blend_has_a_largest_number_of_outputs(count):
+    """The controller stores them until the blend's middle, and lost all beyond its room in silence."""
+    sets = "".join(f"P{100 + k:04d} SET A {('ON', 'OFF')[k % 2]}\n" for k in range(count))
+    program = (
+        "OUTPUT A M20\nDEFAULT (deg,s)\nP0010 MOVEJ 10 0 0 0 0 0 [5] BLEND 2\n"
+        f"{sets}P0900 MOVEJ 10 0 0 0 30 0 [5]\n"
+    )
+    made, found = compiled(program)
+    assert [one.code for one in found if one.is_error] == (["Y1107"] if count > 64 else [])
+    if made is None:
+        return
+    more = Forger.of(made.text)
+    more = more.put(more.find("M20==0"), "M20==1")
+    robot = made.plan.robot
+    faults = list(READER.faults(READER.read(more.text, robot.controller, NO_MEMORY), robot, None))
+    assert any("more than 64 outputs" in one.reason for one in faults)
+    proof = json.loads(proof_of(made).value)
+    proof["text"] = hashlib.sha256(more.text.encode()).hexdigest()
+    assert "too many outputs" in verify(more.text.encode(), json.dumps(proof).encode()).refused
 
 
 def test_a_variable_that_is_taken_names_those_that_are_free():

@@ -25,7 +25,7 @@ from yarclang.hir import (
 )
 from yarclang.memory import Memory
 from yarclang.motion.plan import MotionPlan
-from yarclang.pmac.program import LOADING, Target
+from yarclang.pmac.program import LOADING, MOST_IN_STEP, Target
 from yarclang.robot.model import Tolerance
 from yarclang.source import SourceFile, Span
 from yarclang.units import MS
@@ -100,7 +100,7 @@ def write(plan: MotionPlan, target: Target, tolerance: Tolerance, memory: Memory
         The text; None, with findings, if the program sets an output in motion that the controller can set at
         rest only.
     """
-    if found := tuple(_set_at_rest_only(plan)):
+    if found := (*_set_at_rest_only(plan), *_too_many_at_once(plan)):
         return Result(None, found)
     lowered = lower(plan, target, tolerance)
     emitted = emit(lowered, memory)
@@ -144,3 +144,21 @@ def _set_at_rest_only(plan: MotionPlan) -> Iterator[Diagnostic]:
             )
             help_ = f"give {output.name} an M-variable, or remove the BLEND of the motion before"
             yield Diagnostic("Y1105", message, origin.source, origin.span, help_, place=origin.place)
+
+
+def _too_many_at_once(plan: MotionPlan) -> Iterator[Diagnostic]:
+    """Yield a finding for each blend in which more outputs are set than the controller may store."""
+    flowing = {motion.step: motion.flows for motion in plan.motions}
+    flows, count = False, 0
+    for number, step in enumerate(plan.program.steps):
+        if isinstance(step, Stop):
+            return
+        if not isinstance(step, SetOutput):
+            flows, count = flowing.get(number, False), 0
+            continue
+        count += flows
+        if count == MOST_IN_STEP + 1:
+            origin = step.origin
+            message = f"more than {MOST_IN_STEP} bits of outputs are set in one blend"
+            help_ = "set some of them after the next motion, or remove the BLEND of the motion before"
+            yield Diagnostic("Y1107", message, origin.source, origin.span, help_, place=origin.place)

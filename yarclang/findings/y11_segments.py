@@ -64,6 +64,15 @@ FINDINGS = (
         "P0030 MOVEJ 10 0 0 0 30 0 [5] (deg,s)",
     ),
     Finding(
+        "Y1107",
+        "many-outputs-in-motion",
+        "error",
+        "too many outputs are set in one blend",
+        "If two motions flow into each other, the controller stores the outputs between them until the robot "
+        "passes the middle of the blend. Its manuals don't state for how many it has room. yarclang sets at "
+        "most 64 bits there, each bit of a group of outputs counted.",
+    ),
+    Finding(
         "Y1106",
         "needs-streaming",
         "error",

@@ -27,6 +27,12 @@ system.
 """
 
 
+MOST_IN_STEP = 64
+"""Largest number of synchronous assignments at one move. The controller stores them until the move begins;
+its manuals don't state for how many it has room.
+"""
+
+
 @frozen
 class SegmentTime:
     """TM: the segment time of the following moves [ms], exactly as the controller stores it."""

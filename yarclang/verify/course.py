@@ -4,7 +4,7 @@ a failing host), assignments, and the duration.
 
 import re
 from bisect import bisect
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -23,6 +23,8 @@ PARTING = ("when", "else", "end", "loop", "next", "exit", "endloop", "stop", "ab
 _OWN = re.compile(r"P81[0-9][0-9]|M8116|M[0-9]{1,2}6[0-9]")
 """Variables that belong to the guard and the motors, which must not be inputs or outputs."""
 _NAMED = re.compile(r"(?<![A-Z0-9_$])[MPQ][0-9]{1,4}(?![0-9])")
+_MOST_PUTS = 64
+"""Largest number of outputs that are set with one move."""
 _MOST_WORDS = 1 << 24
 """Largest size of a rotary buffer: the controller has 24-bit addresses [words]."""
 _LATE, _AHEAD = Fraction(1, 10), 2
@@ -234,6 +236,8 @@ def _sequence(
     control = [start, start, start, *points, points[-1], points[-1]]
     place, before = 0, None
     put = 0  # number of outputs that were assigned to a corner
+    each = Counter(bisect(item.lines, line) for line, _ in item.puts).values()
+    need(max(each, default=0) <= _MOST_PUTS, f"line {item.line}: too many outputs are set with one move")
     numbers = {line: k for k, line in enumerate(item.lines)}
     while place < len(points):
         need(bool(waiting), f"the moves from line {item.lines[place]} on belong to no command")

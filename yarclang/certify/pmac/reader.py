@@ -24,6 +24,11 @@ GUARD_SHARE = 0.05
 limit.
 """
 
+MOST_PUTS = 64
+"""Largest number of outputs that are set with one move. The manuals don't state how many the controller
+stores until the move begins.
+"""
+
 
 def _read(text: str, controller: Controller, memory: Memory) -> ControllerText | Unreadable:
     assert isinstance(controller, TurboPmac)
@@ -62,6 +67,7 @@ def _faults(content: ControllerText, robot: Robot, outputs: Set[str] | None) -> 
     yield from _start_faults(content, robot)
     yield from (Fault("Y1191", reason) for reason in check_assignments(content, robot, outputs))
     yield from (Fault("Y1190", reason) for reason in check_guard(content, robot))
+    yield from _puts_faults(content)
     smallest, largest = robot.controller.smallest_segment, robot.controller.largest_segment
     for run in content.runs:
         if run.segment_ms * MS < smallest * (1.0 - 1e-9):
@@ -75,6 +81,20 @@ def _faults(content: ControllerText, robot: Robot, outputs: Set[str] | None) -> 
                 "Y1152",
                 f"TM{run.segment_ms:.12g} in line {run.tm_line} is above {largest / MS:.6g} ms, the robot's "
                 "longest segment time (controller.largest_tm)",
+            )
+
+
+def _puts_faults(content: ControllerText) -> Iterator[Fault]:
+    """Check that no move has more outputs than the controller may store until the move begins."""
+    for run in content.runs:
+        if not run.puts:
+            continue
+        moves, counts = np.unique(
+            np.searchsorted(run.lines, [put.line for put in run.puts]), return_counts=True
+        )
+        for move in moves[counts > MOST_PUTS]:
+            yield Fault(
+                "Y1165", f"more than {MOST_PUTS} outputs are set with the move in line {run.lines[move]}"
             )
 
 

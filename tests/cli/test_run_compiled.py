@@ -1,11 +1,13 @@
 """`yarc run FILE.pmc` judges the text again, and refuses a changed text before it contacts the controller."""
 
 import re
+import shutil
 
 import pytest
 
 import yarclang
 from tests.cli.run_processes import ROUND
+from yarclang.robot.description import load_robot
 
 PATH = "tcp://127.0.0.1:1"
 """An address without a controller, as errors in a text are found before a connection is made."""
@@ -70,6 +72,26 @@ def test_another_robot(workshop, text):
     shown = refused(workshop, text.replace(robot, "0" * 64))
     assert "error Y1163: the text was made for INDUSTRIAL6 as it was then" in shown
     assert "help: compile the program again" in shown
+
+
+def test_a_robot_that_only_the_program_names(workshop):
+    """The program's ROBOT line gives a path. The text's header has only the robot's name."""
+    folder = workshop.folder / "arms" / "mine"
+    shutil.copytree(load_robot("INDUSTRIAL6").value.folder, folder)
+    described = folder / "robot.toml"
+    described.write_text(re.sub("(?m)^name = .*$", 'name = "MINE"', described.read_text(), count=1))
+    (workshop.folder / "made").mkdir()
+    (workshop.folder / "sent").mkdir()
+    program = 'ROBOT "../arms/mine/robot.toml"\nP0010 MOVEJ 10 0 0 0 0 0 [2] (deg,s)\n'
+    workshop.write("made/own.yarc", program)
+    made = yarclang.compile(program, name="own.yarc", folder=workshop.folder / "made").value.text
+    workshop.write("made/own.pmc", made)
+    assert "error" not in workshop.here("check", "made/own.pmc")
+    workshop.write("sent/own.pmc", made)
+    assert "Y1301" in workshop.here("check", "sent/own.pmc", status=1)
+    run = ("run", "sent/own.pmc", "--source", "made/own.yarc", "--to", PATH, "--no-log")
+    shown = workshop.here(*run, status=1)
+    assert "can't be reached" in shown
 
 
 def test_a_robot_of_nobody(workshop, text):

@@ -112,7 +112,7 @@ def judge_text(
     project = find_project(folder)
     if project.value is None:
         return Result(None, project.diagnostics)
-    opened = _opened(text, options.robot, options.cell, folder, project.value)
+    opened = _opened(text, options.robot, options.cell, folder, project.value, program)
     if opened.value is None:
         return Result(None, opened.diagnostics)
     header, robot, surroundings = opened.value
@@ -199,10 +199,15 @@ def _alone(
 
 
 def _opened(
-    text: SourceFile, name: str | None, cell: str | None, folder: Path, project: Project
+    text: SourceFile,
+    name: str | None,
+    cell: str | None,
+    folder: Path,
+    project: Project,
+    program: str | None = None,
 ) -> Result[tuple[Header, Robot, GivenCell | None]]:
     """Read a controller text's header, and load the robot and the surroundings of the text. Nothing is
-    verified yet.
+    verified yet. `program` is the file of the text's program, if it is given.
     """
     if not text.text.startswith(FIRST_WORDS):
         message = "this text wasn't written by yarcc"
@@ -211,7 +216,7 @@ def _opened(
     preamble = header_of(text.text)
     if isinstance(preamble, Unreadable):
         return Result(None, (_unreadable(preamble, text),))
-    robot = robot_of(preamble.header, text, name)
+    robot = robot_of(preamble.header, text, name, program)
     if robot.value is None:
         return Result(None, robot.diagnostics)
     given = cell_for(folder, project, robot.value, cell)
@@ -291,13 +296,15 @@ def robot_of_text(text: SourceFile, name: str | None) -> Result[Robot]:
     return robot_of(preamble.header, text, name)
 
 
-def robot_of(header: Header, text: SourceFile, name: str | None) -> Result[Robot]:
+def robot_of(header: Header, text: SourceFile, name: str | None, program: str | None = None) -> Result[Robot]:
     """Load the robot of a controller text.
 
     Args:
         header: header of the text.
         text: the text.
-        name: name or path of the robot, with which the header must agree; None: the header's robot.
+        name: name or path of the robot, with which the header must agree; None: the header's robot, which is
+            that of the library, of the folder's yarc.toml or of the text's program.
+        program: file of the text's program, if it is given.
     """
     folder = Path(text.name).parent
     loaded = robot_made_for(folder, header.robot) if name is None else named_robot(folder, name)
@@ -308,6 +315,10 @@ def robot_of(header: Header, text: SourceFile, name: str | None) -> Result[Robot
         return Result(None, (Diagnostic("Y1163", message, text, help="remove --robot"),))
     if loaded.value is not None:
         return loaded
+    for place, _ in _candidates(text, header, folder, program):
+        opened = open_program(str(place), Options()).value if is_file(place) else None
+        if opened is not None and opened.request.robot.name == header.robot:
+            return Result(opened.request.robot)
     help_ = "if it is your own robot, give its path: --robot PATH"
     placed = tuple(one if one.source else replace(one, source=text) for one in loaded.diagnostics)
     return Result(None, tuple(replace(one, help=help_) for one in placed))

@@ -99,7 +99,7 @@ def counted(text):
     if "P8100=1" not in lines:
         assert len(lines) <= full + 2
         return needed
-    on, off = lines.index("P8100=1"), lines.index("P8100=0")
+    on, off = lines.index("P8100=1"), lines.index("P8100=P8100&2")
     assert not any(re.match(r"X.*[A-Z]", one) for one in lines[5:on])
     assert lines[off - 1].startswith("X")
     assert not any(one.startswith("X") for one in lines[off:])
@@ -140,7 +140,7 @@ def test_a_stretch_that_fits_in_moves_alone_is_guarded():
     assert "P8100=1" in text
     assert text.count("\nX") <= mark(text, "I17") + 2
     forger = Forger.of(text)
-    for line in ["P8100=1"] + ["P8100=0"] * text.count("P8100=0\n"):
+    for line in ["P8100=1"] + ["P8100=P8100&2"] * text.count("P8100=P8100&2\n"):
         forger = forger.drop(forger.find(line))
     assert any("isn't armed" in one for one in faults(forger.text))
     assert "isn't armed" in refused(between(70, before=2, after=2), forger.text)
@@ -161,9 +161,9 @@ CHANGES = {
         *lines[last + 2 :],
     ],
     "again": lambda lines, last: [*lines[: last + 1], "P8100=1", *lines[last + 1 :]],
-    "never": lambda lines, _: [line for line in lines if line != "P8100=0"],
+    "never": lambda lines, _: [line for line in lines if line != "P8100=P8100&2"],
     "too few lines": lambda lines, last: lines[: last + 1] + lines[last + 2 :],
-    "later": lambda lines, _: [*lines[:-2], "P8100=0", *lines[-2:]],
+    "later": lambda lines, _: [*lines[:-2], "P8100=P8100&2", *lines[-2:]],
     "again later": lambda lines, _: [*lines[:-2], "P8100=1", *lines[-2:]],
 }
 
@@ -204,7 +204,7 @@ def test_enough_lines_follow_the_last_move(count):
     text, _ = made(BEGIN.format(12) + sets(count) + END)
     lines = text.split("\n")[:-2]
     last = max(place for place, line in enumerate(lines) if line.startswith("X"))
-    behind, repeated = len(lines) - last - 1, text.count("P8100=0\n")
+    behind, repeated = len(lines) - last - 1, text.count("P8100=P8100&2\n")
     assert (behind == mark(text, "I16") + 2) if repeated > 1 else (behind > mark(text, "I16") + 2)
     assert (repeated > 1) == (count == 0)
     assert faults(text) == []

@@ -73,10 +73,10 @@ def test_the_guard_is_armed_before_the_first_move_and_disarmed_after_the_last_on
     lines = lines_of(made.text)
     low, full = (int(next(line for line in lines if line.startswith(name))[4:]) for name in ("I16=", "I17="))
     moves = [number for number, line in enumerate(lines) if re.match(r"X[-0-9]", line)][1:]
-    armed, disarmed = lines.index("P8100=1"), lines.index("P8100=0")
+    armed, disarmed = lines.index("P8100=1"), lines.index("P8100=P8100&2")
     assert armed + 1 == moves[0]
     assert disarmed - 1 == moves[-1]
-    assert lines[disarmed : disarmed + low + 2] == ["P8100=0"] * (low + 2)
+    assert lines[disarmed : disarmed + low + 2] == ["P8100=P8100&2"] * (low + 2)
     assert low + 2 < full
 
 

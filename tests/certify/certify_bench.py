@@ -311,7 +311,7 @@ def emit(robot, start, jobs, target="rotary", decimals=9) -> str:
         ]
     if count > full + 2:
         behind = moves[-1] + 1
-        body[behind:behind] = ["P8100=0"] * max(low + 2 - (len(body) - behind), 1)
+        body[behind:behind] = ["P8100=P8100&2"] * max(low + 2 - (len(body) - behind), 1)
         body.insert(moves[0], "P8100=1")
         places = {
             step: (first + (first >= moves[0]), last + (last >= moves[0]))

@@ -116,13 +116,13 @@ def late_arm(text):
 
 
 def early_disarm(text):
-    dropped = text.drop(text.find("P8100=0"))
-    return dropped.put(dropped.moves()[-1], "P8100=0")
+    dropped = text.drop(text.find("P8100=P8100&2"))
+    return dropped.put(dropped.moves()[-1], "P8100=P8100&2")
 
 
 def never_disarmed(text):
-    while any(line == "P8100=0" for line in text.lines):
-        text = text.drop(text.find("P8100=0"))
+    while any(line == "P8100=P8100&2" for line in text.lines):
+        text = text.drop(text.find("P8100=P8100&2"))
     return text
 
 
@@ -176,12 +176,12 @@ CHANGES = {
     "a reported position": (ALL, lambda t: t.put(t.find("CLOSE"), "DWELL0", "P1=0")),
     "the guard's flag is 2": (ALL, lambda t: t.put(t.find("CLOSE"), "DWELL0", "P8100=2")),
     # the guard
-    "never armed": (ROTARY, lambda t: t.change("P8100=1", "P8100=0")),
+    "never armed": (ROTARY, lambda t: t.change("P8100=1", "P8100=P8100&2")),
     "not armed": (ROTARY, lambda t: t.drop(t.find("P8100=1"))),
     "armed late": (ROTARY, late_arm),
-    "disarmed at once": (ROTARY, lambda t: t.put(t.find("P8100=1") + 1, "P8100=0")),
+    "disarmed at once": (ROTARY, lambda t: t.put(t.find("P8100=1") + 1, "P8100=P8100&2")),
     "disarmed early": (ROTARY, early_disarm),
-    "disarmed, and too few lines follow": (ROTARY, lambda t: t.drop(t.find("P8100=0"))),
+    "disarmed, and too few lines follow": (ROTARY, lambda t: t.drop(t.find("P8100=P8100&2"))),
     "never disarmed": (ROTARY, never_disarmed),
     "low mark": (ROTARY, lambda t: t.change("I16=.*", "I16=0")),
     "full mark": (ROTARY, lambda t: t.change("I17=.*", "I17=1")),

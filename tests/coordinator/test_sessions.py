@@ -368,7 +368,7 @@ class Sessions(RuleBasedStateMachine):
             if code != Code.WRITEBUFFER:
                 continue
             for line in text.strip("\0").split("\0"):
-                assert line in self.known or line in ("P8100=0", "OPEN ROT", "CLOSE"), line
+                assert line in self.known or line in ("P8100=0", "P8104=0", "OPEN ROT", "CLOSE"), line
                 streamed |= line in self.known
         self.tally.count("sessions that stream", streamed)
         robot, machine = self.world.robot, self.world.machine

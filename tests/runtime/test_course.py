@@ -72,7 +72,7 @@ def course(industrial6):
     """Fixture: the course of a motion along J1, one degree for each line."""
     found = Course(industrial6, np.zeros(6), np.full(6, 1e-9), 0.05)
     found.append(
-        ["RAPID", "SPLINE1", "TM50", *(f"X{n}Y0Z0A0B0C0" for n in range(1, 40)), "P8100=0", "DWELL0"]
+        ["RAPID", "SPLINE1", "TM50", *(f"X{n}Y0Z0A0B0C0" for n in range(1, 40)), "P8100=P8100&2", "DWELL0"]
     )
     return found
 

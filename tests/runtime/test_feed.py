@@ -26,7 +26,7 @@ def job_of(gaps, words=480, guarded=False):
     for number, gap in enumerate(gaps, 1):
         lines += [f"P{n}=0" for n in range(gap)] + [f"X{number}.123456Y{number}.123456Z0A0B0C0"]
         times += [0.0 if number == 1 else number * SEGMENT] * gap + [number * SEGMENT]
-    lines += ["P8100=0"] * (10 * guarded)
+    lines += ["P8100=P8100&2"] * (10 * guarded)
     times += [(len(gaps) + 2) * SEGMENT] * (10 * guarded)
     return replace(
         model,

@@ -45,7 +45,7 @@ FORGERIES = {
     "a segment time that isn't kept": lambda text: replaced(text, r"^TM[0-9.]+$", "TM40.00001"),
     "a segment time beyond the controller": lambda text: replaced(text, r"^TM[0-9.]+$", "TM4096"),
     "a guard that isn't armed": lambda text: replaced(text, "^P8100=1\n", ""),
-    "a guard that is off early": lambda text: replaced(text, "^P8100=1$", "P8100=0"),
+    "a guard that is off early": lambda text: replaced(text, "^P8100=1$", "P8100=P8100&2"),
     "lower marks": lambda text: replaced(text, "^I16=[0-9]+$", "I16=1"),
     "marks that never fill": lambda text: replaced(text, "^I17=[0-9]+$", "I17=9999"),
     "a small buffer": lambda text: replaced(text, "^DEFINE ROT [0-9]+$", "DEFINE ROT 48"),
@@ -66,7 +66,9 @@ FORGERIES = {
     "another name": lambda text: replaced(text, "^; command 1 P0020", "; command 1 P0021"),
     "a jerk without limit": lambda text: replaced(text, r"^(; command 1 .*)$", r"\1 any-jerk"),
     "a blend that isn't there": lambda text: replaced(text, r"^(; command 1 .*)$", r"\1 blend 4"),
-    "safe values": lambda text: text.replace("IF(P8100=2)\nM20=0\n", "IF(P8100=2)\nM20=1\n"),
+    "safe values": lambda text: text.replace(
+        "IF(P8100=2 OR P8104=2)\nM20=0\n", "IF(P8100=2 OR P8104=2)\nM20=1\n"
+    ),
 }
 
 

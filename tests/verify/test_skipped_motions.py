@@ -40,7 +40,7 @@ def without(text, step, index):
     begin = first - 1
     while re.match("TM|P8100", forger.lines[begin - 1]):
         begin -= 1
-    while forger.lines[last] == "P8100=0":
+    while forger.lines[last] == "P8100=P8100&2":
         last += 1
     last += forger.lines[last] == "DWELL0"
     return forger.drop(begin, last - begin).change(rf"; command {step} .*", f"{entry[1]} - -")

@@ -13,8 +13,18 @@ from yarclang.decisions import KeptTo, Permitted, Register, Searched, Shifted, W
 from yarclang.emitted.quoting import allow_line, keep_line
 from yarclang.frozen import frozen
 from yarclang.memory import NO_MEMORY, Forgetful, Memory
-from yarclang.pmac.program import Assignment, Barrier, Command, Moves, PmacProgram, Rest, SegmentTime, Stand
-from yarclang.pmac.variables import ARMED, ASTRAY, OUTPUTS_PLC, commanded_position
+from yarclang.pmac.program import (
+    Assignment,
+    Barrier,
+    Command,
+    Disarm,
+    Moves,
+    PmacProgram,
+    Rest,
+    SegmentTime,
+    Stand,
+)
+from yarclang.pmac.variables import ARMED, ASTRAY, DISARMS, OUTPUTS_PLC, WATCHED, commanded_position
 from yarclang.progress import each
 
 
@@ -140,12 +150,16 @@ def emit(program: PmacProgram, memory: Memory = NO_MEMORY) -> Emitted:
     )
 
 
-def _words(program: PmacProgram, item: SegmentTime | Assignment | Rest | Stand | Barrier) -> tuple[str, ...]:
+def _words(
+    program: PmacProgram, item: SegmentTime | Assignment | Disarm | Rest | Stand | Barrier
+) -> tuple[str, ...]:
     match item:
         case SegmentTime(milliseconds=milliseconds):
             return (f"TM{segment_time(milliseconds)}",)
         case Assignment(variable=variable, value=value, in_step=in_step):
             return (f"{variable}{'==' if in_step else '='}{_number(value)}",)
+        case Disarm():
+            return (DISARMS,)
         case Rest(milliseconds=milliseconds):
             return (f"DWELL{_number(milliseconds)}",)
         case Stand(point=point):
@@ -201,13 +215,13 @@ def _opening(program: PmacProgram) -> Iterator[str]:
 
 
 def _safe_outputs(program: PmacProgram) -> Iterator[str]:
-    """Yield the lines of the PLC that sets the outputs to their safe values after the guard has held the
-    motion.
+    """Yield the lines of the PLC that sets the outputs to their safe values after the guard or the watchdog
+    has held the motion.
     """
     if not program.safe_outputs:
         return
     yield f"OPEN PLC {OUTPUTS_PLC} CLEAR"
-    yield f"IF({ARMED}=2)"
+    yield f"IF({ARMED}=2 OR {WATCHED}=2)"
     for variable, value in program.safe_outputs:
         yield f"{variable}={_number(value)}"
     yield "ENDIF"

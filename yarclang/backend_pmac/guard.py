@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from yarclang.frozen import frozen
 from yarclang.pmac.controller import turbo_pmac
-from yarclang.pmac.program import Assignment, Barrier, Item, Moves, Stand
+from yarclang.pmac.program import Assignment, Barrier, Disarm, Item, Moves, Stand
 from yarclang.pmac.variables import ARMED
 from yarclang.robot.model import Robot
 
@@ -129,7 +129,7 @@ class _Stretch:
                 yield Assignment(ARMED, 1)
             yield item
             if place == moving[-1]:
-                yield from [Assignment(ARMED, 0)] * max(marks.low + _AHEAD - behind, 1)
+                yield from [Disarm()] * max(marks.low + _AHEAD - behind, 1)
 
 
 def _stretches(body: tuple[Item, ...]) -> Iterator[_Stretch]:

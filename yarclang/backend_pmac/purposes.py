@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from yarclang.emitted.purposes import MOVE, OPENING, Listed, Stretch
 
 _PUT = re.compile(r"(?!P8100=)[IPQM]\d+=.*")
-_GUARD = re.compile(r"P8100=([01])")
+_GUARD = re.compile(r"P8100=(1|P8100&2)")
 _SPLINE = "SPLINE1"
 _TIME = "the segment time of the moves that follow"
 _GUARDS = ("it disarms the guard, after the last move", "it arms the guard")
@@ -48,7 +48,7 @@ def purposes(
         if mover is not None and (mover.first or 0) <= number and not _GUARD.fullmatch(line):
             command, what = mover, MOVE
         elif found := _GUARD.fullmatch(line):
-            command, what = mover, _GUARDS[int(found[1])]
+            command, what = mover, _GUARDS[found[1] == "1"]
         elif line.startswith("TM"):
             command, what = mover, _TIME
         elif number in barriers:

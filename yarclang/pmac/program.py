@@ -54,6 +54,11 @@ class Assignment:
 
 
 @frozen
+class Disarm:
+    """The line that disarms the guard after the last move."""
+
+
+@frozen
 class Rest:
     """DWELL: the sequence of moves ends, and the robot stands still for this time [ms]. The controller
     calculates the following lines only after the dwell.
@@ -107,7 +112,7 @@ class Moves:
     values: NDArray[np.float64]
 
 
-Item = SegmentTime | Assignment | Rest | Stand | Barrier | Moves
+Item = SegmentTime | Assignment | Disarm | Rest | Stand | Barrier | Moves
 
 
 @frozen

@@ -12,6 +12,11 @@ ARMED = "P8100"
 the motion, else 0.
 """
 
+DISARMS = f"{ARMED}={ARMED}&2"
+"""Line with which a program disarms the guard. It changes the flag from 1 to 0, and leaves it at 2: the program
+may go on for a moment after the guard has held it.
+"""
+
 ASTRAY = "P8101"
 """Variable that is 1 while the robot isn't at the program's start, else 0."""
 

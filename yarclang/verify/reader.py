@@ -205,7 +205,7 @@ def read(text: str, axes: list[str], motors: list[int], system: int) -> Text:
     reading.expect("CLOSE ALL", "END GATHER", "DELETE GATHER")
     safe = []
     if reading.peek() == "OPEN PLC 28 CLEAR":
-        reading.expect("OPEN PLC 28 CLEAR", "IF(P8100=2)")
+        reading.expect("OPEN PLC 28 CLEAR", "IF(P8100=2 OR P8104=2)")
         while reading.peek() != "ENDIF":
             safe.append(reading.match(rf"[MPQ][0-9]{{1,4}}={_VALUE}")[0])
         reading.expect("ENDIF", "CLOSE", "ENABLE PLC 28")
@@ -249,10 +249,10 @@ def _read_course(
             puts = False
             continue
         content = reading.take()
-        if puts and not re.match(r"P8100=[01]$|M[0-9]{1,4}==", content):
+        if puts and not re.match(r"P8100=(1|P8100&2)$|M[0-9]{1,4}==", content):
             reading.refuse("no move follows an output that is set with one")
         is_put = re.fullmatch(rf"[MPQ][0-9]{{1,4}}={_VALUE}", content)
-        if found := re.fullmatch("P8100=([01])", content):
+        if found := re.fullmatch("P8100=(1|P8100&2)", content):
             arms.append((line, found[1] == "1"))
         elif run is not None and run.points and re.fullmatch(rf"M[0-9]{{1,4}}=={_VALUE}", content):
             run.puts.append((line, content.replace("==", "=")))

@@ -24,7 +24,7 @@ CONDITION = re.compile(r"([MPQ][0-9]{1,4})=(-?[0-9]{1,10}(?:\.[0-9]{1,9})?)")
 _TRIGGER = re.compile(r"(M[0-9]{1,4})==(-?[0-9]{1,10}(?:\.[0-9]{1,9})?)")
 _TM = re.compile(r"TM([0-9]{1,4}(?:\.[0-9]{1,12})?)")
 _DWELL = re.compile(r"DWELL([0-9]{1,7}(?:\.[0-9]{1,9})?)")
-_ARMED = re.compile(r"P8100=([01])")
+_ARMED = re.compile(r"P8100=(1|P8100&2)")
 _TIMER = r"=INT\(([0-9]{1,12}(?:\.[0-9]{1,9})?)\*8388608/I10\)"
 _ASSIGNMENT = re.compile(r"([IPQM][0-9]+)={1,2}.*")
 

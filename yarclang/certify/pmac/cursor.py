@@ -109,7 +109,7 @@ class Cursor(Lines):
 
     def move_follows(self) -> bool:
         """Return True if a move line follows, perhaps after lines that set outputs or the guard's flag."""
-        rest = re.compile(r"(?:P8100=[01]\n|M[0-9]{1,4}==[^\n]*\n)*+")
+        rest = re.compile(r"(?:P8100=(?:1|P8100&2)\n|M[0-9]{1,4}==[^\n]*\n)*+")
         found = rest.match(self._text, self._place)
         return self._block.match(self._text, found.end() if found else self._place) is not None
 

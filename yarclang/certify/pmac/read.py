@@ -102,13 +102,14 @@ def _target(header: Header) -> Target:
 
 
 def _read_outputs(cursor: Cursor) -> tuple[tuple[str, float], ...]:
-    """Read the PLC that sets outputs to their safe values after the guard has stopped the motion.
+    """Read the PLC that sets outputs to their safe values after the guard or the watchdog has stopped the
+    motion.
 
     The PLC must do nothing else.
     """
     if cursor.peek() != "OPEN PLC 28 CLEAR":
         return ()
-    cursor.expect("OPEN PLC 28 CLEAR", "IF(P8100=2)")
+    cursor.expect("OPEN PLC 28 CLEAR", "IF(P8100=2 OR P8104=2)")
     outputs: list[tuple[str, float]] = []
     while found := CONDITION.fullmatch(cursor.peek()):
         outputs.append((found[1], float(found[2])))

@@ -9,7 +9,7 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from yarclang.pmac.variables import ARMED
+from yarclang.pmac.variables import DISARMS
 from yarclang.runtime.job import Job
 from yarclang.runtime.pmac.loading import loading_of
 from yarclang.runtime.pmac.packets import fitting
@@ -28,9 +28,6 @@ FASTEST = 2.5
 """Upper bound of the speed at which a controller executes a program, relative to the programmed speed. The
 controller's largest override is less (TSRM 276).
 """
-
-_DISARMS = f"{ARMED}=0"
-"""Line that disarms the guard, after the last move of a job that arms it; it is repeated."""
 
 _LATE = 0.1
 """Time by which the host may be late before the guard PLC holds [s]."""
@@ -66,7 +63,7 @@ class Feed:
         """
         self.plenty = (loading_of(job).full + job.capacity) // 2
         """If fewer lines are ahead, sending more lines takes precedence over everything else."""
-        self._guarded = len(job.lines) - job.lines[::-1].index(_DISARMS) if _DISARMS in job.lines else 0
+        self._guarded = len(job.lines) - job.lines[::-1].index(DISARMS) if DISARMS in job.lines else 0
 
     @property
     def left(self) -> int:
@@ -114,10 +111,14 @@ class Feed:
 
     @property
     def executed(self) -> int:
-        """Return the number of lines that had been executed when `PR` was answered last. The two lines that
-        the controller calculates ahead don't count.
+        """Return the number of lines that had been executed when `PR` was answered last. The two moves that
+        the controller calculates ahead don't count. The lines that disarm the guard leave the buffer together
+        with the last move.
         """
-        return max(0, self._sent_then - self._ahead - AHEAD)
+        taken = self._sent_then - self._ahead
+        if self._guarded and int(self._moves[-1]) < taken <= self._guarded + AHEAD:
+            return int(self._moves[-AHEAD:][0])
+        return max(0, taken - AHEAD)
 
     def executed_within(self, now: float) -> tuple[int, int]:
         """Return the minimum and the maximum number of lines that the controller may have executed by now, at
@@ -181,9 +182,14 @@ class Feed:
         the robot may be there already, a hold would have no effect.
         """
         ahead = self.at_least(now)
-        if self._moves_before(self.sent) == len(self._moves):
+        if self.has_all_moves:
             return self.sent < self._guarded and 0 < ahead < self.low
         return ahead < self.low
+
+    @property
+    def has_all_moves(self) -> bool:
+        """Return True if all lines that move the robot were sent."""
+        return self._moves_before(self.sent) == len(self._moves)
 
     @property
     def ran_dry(self) -> bool:

@@ -284,6 +284,7 @@ class Holding:
         if wanted := supervision.rearmed(flow, feed.left == 0):
             yield from operation.ask(wanted)
         self._secured_in_motion = False
+        yield from supervision.unwatch()
         yield from self._outputs.restore(operation, feed.sent - feed.at_most)
         if operation.slept:
             return  # this process was suspended during these questions: the run has to be held again

@@ -16,7 +16,7 @@ import contextlib
 from dataclasses import replace
 
 from yarclang.pmac.controller import turbo_pmac
-from yarclang.pmac.variables import ARMED
+from yarclang.pmac.variables import DISARMS
 from yarclang.runtime.actions import Script, Stopped, Trouble, Wait
 from yarclang.runtime.job import JobCommand
 from yarclang.runtime.live import Live
@@ -188,7 +188,7 @@ class LiveStream:
             # when the line that disarms the guard is executed, the buffer must contain more lines than the
             # guard requires
             behind = (stand,) * (loading_of(self.job).low + AHEAD + _LATE if stand else 0)
-            lines = (*lines, f"{ARMED}=0", *behind)
+            lines = (*lines, DISARMS, *behind)
         yield from self._write(lines)
 
     def _write(self, lines: tuple[str, ...]) -> Script[None]:

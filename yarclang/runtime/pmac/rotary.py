@@ -137,7 +137,7 @@ class Rotary:
                 f"the controller counts {feed.at_most} lines in its buffer, but only {feed.sent} were sent",
                 "another client may use this controller; run `yarc doctor`",
             )
-        if job.fits or spent <= 0.0:
+        if feed.has_all_moves or spent <= 0.0:
             return
         remedy = "compile with longer segments (--tm), or find out what slows the link (`yarc doctor`)"
         rate = feed.sent / spent

@@ -17,6 +17,7 @@ from yarclang.decisions import Watch
 from yarclang.pmac.controller import TurboPmac, turbo_pmac
 from yarclang.pmac.variables import (
     ARMED,
+    DISARMS,
     ECHO,
     FEEDBACK_PLC,
     GUARD_PLC,
@@ -236,7 +237,7 @@ class Supervision:
         self._expected = 100.0 * operation.override
         self._slews, self._slews_until = (self._expected, self._expected), 0.0
         self._watching = False
-        self._asked = 0.0
+        self._asked = self._asked_at = 0.0
 
     # the watchdog
 
@@ -264,6 +265,13 @@ class Supervision:
         self._asked = operation.now
         self.slews(0.0)
 
+    def unwatch(self) -> Script[None]:
+        """Let the controller not watch this computer until `begin`: PLC 28 would set the outputs again that are
+        restored after a hold by the watchdog.
+        """
+        yield from self.operation.ask(f"{WATCHED}=0")
+        self._watching = False
+
     @property
     def overdue(self) -> bool:
         """Return True if the watchdog should be restarted before anything else is sent."""
@@ -285,7 +293,7 @@ class Supervision:
         """Record that lines were sent to the rotary buffer."""
         for row, line in enumerate(lines):
             if line.startswith(f"{ARMED}="):
-                self._arms.append((self._sent + row, float(line.partition("=")[2])))
+                self._arms.append((self._sent + row, float(line != DISARMS)))
         self._sent += len(lines)
 
     def rearmed(self, flow: Flow, all_in: bool) -> str:
@@ -323,7 +331,7 @@ class Supervision:
             raise Lost(f"{', '.join(items)!r} in reply to {self._question!r}") from None
         if not items[0].isdigit():
             raise Lost(f"{items[0]!r} in reply to PR")
-        self._asked = operation.now
+        self._asked, self._asked_at = operation.now, asked_at
         flow = Flow(int(ahead), percent, armed, beat, watched, echo, tuple(inputs))
         operation.ahead = flow.ahead
         self._take_beat(flow, asked_at)
@@ -367,7 +375,7 @@ class Supervision:
         return self.stands_still(flow)
 
     def _other_pace(self, percent: float) -> str:
-        least, most = self._slews if self.operation.now < self._slews_until else (self._expected,) * 2
+        least, most = self._slews if self._asked_at < self._slews_until else (self._expected,) * 2
         if least - _SAME_PACE <= percent <= most + _SAME_PACE:
             return ""
         if percent < least:

@@ -242,7 +242,7 @@ def test_joints_of_a_corner_are_chosen_by_the_proof_and_are_at_its_pose():
     for joint in range(6):
         forged = table(JOINED)
         forged["motions"]["4"]["start"][joint] += 0.005
-        assert "chosen for the corner" in refused(text, forged)
+        assert "chosen for the goal" in refused(text, forged)
 
 
 def test_a_chain_is_followed_from_its_start_to_its_end():

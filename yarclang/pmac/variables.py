@@ -13,8 +13,8 @@ the motion, else 0.
 """
 
 DISARMS = f"{ARMED}={ARMED}&2"
-"""Line with which a program disarms the guard. It changes the flag from 1 to 0, and leaves it at 2: the program
-may go on for a moment after the guard has held it.
+"""Line with which a program disarms the guard. It changes the flag from 1 to 0, and leaves it at 2: the
+program may go on for a moment after the guard has held it.
 """
 
 ASTRAY = "P8101"

@@ -3,13 +3,13 @@ paths.
 
 A motion from rest to rest is a chain of one. Each path begins at the programmed goal of the motion before,
 also where the robot rests: if it began where the text's numbers lead, a turn of nearly 180 deg could go the
-other way round. After a pose, the path of a joint motion begins at joint positions that were chosen for the
-pose, or at those of the text where the robot rests. The proof names the places of the controller text between
-which a motion follows its path. A corner needs no further check if the first path is followed to its end, and
-the second one from its start on, without a gap. Otherwise the proof gives the radius of a ball around the
-corner. In the blend, the frame stays in the ball within the tolerance, and so do the sections of both paths
-that are not followed. The frame's angle from the corner is at most the tolerance plus the rotations in these
-sections. Between two joint motions, each joint has a ball (an interval) of its own.
+other way round. After a pose, the path of a joint motion begins at joint positions that the proof has chosen
+for the pose. The proof names the places of the controller text between which a motion follows its path. A
+corner needs no further check if the first path is followed to its end, and the second one from its start on,
+without a gap. Otherwise the proof gives the radius of a ball around the corner. In the blend, the frame stays
+in the ball within the tolerance, and so do the sections of both paths that are not followed. The frame's
+angle from the corner is at most the tolerance plus the rotations in these sections. Between two joint
+motions, each joint has a ball (an interval) of its own.
 """
 
 from collections.abc import Iterator, Sequence
@@ -201,7 +201,8 @@ def _on_time(row: Moved, told: Told, proof: Told, arm: Arm, stood: Told) -> None
     timetable's by the rounding of the segment time. The difference is spread evenly over all segments.
     """
     title, motion, rows = row.entry.title, Motion(row, arm), told["rows"]
-    table = timetable(_stands(row, stood, arm), rows, arm.turns)
+    stands = _stands(row, stood, proof, arm, in_joints(row.begin, PRINTED, arm.turns))
+    table = timetable(stands, rows, arm.turns)
     size = motion.end - motion.begin
     need(
         abs(told["duration"] - rows[-1]["at"]) < Fraction(1, 10**9), f"{title}: its table takes another time"
@@ -212,9 +213,9 @@ def _on_time(row: Moved, told: Told, proof: Told, arm: Arm, stood: Told) -> None
         f"{title}: a joint's part beyond its tolerance",
     )
     if rows[0]["q"] is not None:  # the first row must be where the path begins
-        stands = zip(in_joints(rows[0]["q"], 1, arm.turns), table.at(0), strict=True)
+        first = zip(in_joints(rows[0]["q"], 1, arm.turns), table.at(0), strict=True)
         _within(
-            Joints(motion), limits, [abs(a - b) for a, ((b,), _) in stands], f"{title}, from its first row"
+            Joints(motion), limits, [abs(a - b) for a, ((b,), _) in first], f"{title}, from its first row"
         )
     at_rows = [motion.begin + size * Fraction(edge, ONE) for edge in table.edges]
     places = sorted({*cut(motion.begin, motion.end, whole(proof["pieces"])), *at_rows})
@@ -317,12 +318,20 @@ def _goal(told: Told) -> Told:
     return goals[-1]
 
 
-def _stands(row: Moved, stood: Told, arm: Arm) -> Vector:
-    """Return the joint positions at which the path of a joint motion from rest begins: those of the goal of
-    the motion before, or of the text if that goal is a pose.
+def _stands(row: Moved, stood: Told, proof: Told, arm: Arm, here: Sequence[int]) -> Vector:
+    """Return the joint positions at which the path of a joint motion begins: those of the goal of the motion
+    before. If that goal is a pose, the proof has chosen joint positions for it, in the posture of the joint
+    positions `here`.
     """
-    q = _goal(stood).get("q")
-    return in_joints(row.begin, PRINTED, arm.turns) if q is None else in_joints(q, 1, arm.turns)
+    goal = _goal(stood)
+    if goal.get("q") is not None:
+        return in_joints(goal["q"], 1, arm.turns)
+    start = in_joints(proof["start"], 1, arm.turns)
+    what = f"{row.entry.title}: the joints that were chosen for the goal before, where the frame"
+    _near(arm, start, goal, [_CHOSEN, _CHOSEN], what)
+    apart = (abs(a - b) for a, b, turns in zip(start, here, arm.turns, strict=True) if turns)
+    need(max(apart, default=0) < PI // 2, f"{what} is in another posture")
+    return start
 
 
 def _begins(stood: Told, tool: Step, arm: Arm) -> Step:
@@ -346,22 +355,12 @@ def _within(what: Frames | Joints, limits: Sequence[int], off: Sequence[int], wh
 
 
 def _of_joints(row: Moved, told: Told, proof: Told, arm: Arm, stood: Told, before: Followed | None) -> Pieces:
-    """Return the programmed path of a joint motion.
-
-    After a Cartesian motion, the path begins at joint positions that the proof has chosen for the frame's
-    goal.
-    """
-    if before is None:
-        start = _stands(row, stood, arm)
-    elif isinstance(before.path, FramePath | PoseSpline):
-        start = in_joints(proof["start"], 1, arm.turns)
-        what = f"{row.entry.title}: the joints that were chosen for the corner before, where the frame"
-        _near(arm, start, before.told, [_CHOSEN, _CHOSEN], what)
-        here, _ = before.motion.at(before.end)
-        apart = (abs(a - b) for a, b, turns in zip(start, here, arm.turns, strict=True) if turns)
-        need(max(apart, default=0) < PI // 2, f"{what} is in another posture")
-    else:
+    """Return the programmed path of a joint motion."""
+    if before is not None and isinstance(before.path, Pieces):
         start = before.path.goal
+    else:
+        here = in_joints(row.begin, PRINTED, arm.turns) if before is None else before.motion.at(before.end)[0]
+        start = _stands(row, stood, proof, arm, here)
     points = [start, *_goals(row, told, proof, arm)]
     need(told["move"] == "spline" or len(points) == 2, f"{row.entry.title}: a straight way has one goal")
     return through(points)

@@ -294,6 +294,8 @@ def _check_motions(
         need(bool(known), f"{title}: a motion of a kind that isn't known")
         if strange:
             told["unchecked"] = f"all of it, since this checker doesn't know its {strange}"
+        is_motion = re.match("D?MOVE", title.split(" ")[1]) is not None
+        need(is_motion == ("move" in told), f"{title}: the proof tells a motion as none, or none as a motion")
         if "move" not in told:
             need(not row.control, f"{title}: the map gives moves to a command that is no motion")
             if strange:

@@ -35,14 +35,17 @@ class Starts:
     Attributes:
         q: (P, n) joint positions [rad or m].
         flange: (P, 4, 4) flange poses in {B}.
+        chosen: (P,) True for motions in joint space after a motion to a pose: their joint positions were
+            chosen for the pose.
     """
 
     q: Array
     flange: Array
+    chosen: NDArray[np.bool_]
 
     def take(self, rows: list[int]) -> Starts:
         """Return the start points of some motions."""
-        return Starts(self.q[rows], self.flange[rows])
+        return Starts(self.q[rows], self.flange[rows], self.chosen[rows])
 
 
 @frozen(eq=False)
@@ -58,33 +61,29 @@ class _End:
 
 
 def find_starts(judged: Judged, layout: Layout, program: hir.Program) -> Starts:
-    """Find the start point of every motion's programmed path.
-
-    After a motion to a pose, the joint positions are those of the text, or in a chain those that the planner
-    claims: a path in joint space begins there.
-    """
+    """Find the start point of every motion's programmed path."""
     count = len(layout.places)
     q, flange = layout.begins.copy(), np.zeros((count, 4, 4))
-    known = np.zeros(count, dtype=np.bool_)
+    known, chosen = np.zeros(count, dtype=np.bool_), np.zeros(count, dtype=np.bool_)
     ends: list[_End] = []
     for row, (place, before) in enumerate(zip(layout.places, _before(layout, program), strict=True)):
         end = ends[before] if before >= 0 else _End(None, program.start)
-        if end.q is None and not place.motion.leads_frame and end.flange is not None:
+        chosen[row] = end.flange is not None and not place.motion.leads_frame
+        if end.q is None and end.flange is not None and not place.motion.leads_frame:
             end = _End(end.flange, _joints(judged, layout, row, before, end.flange))
         if end.q is not None:
             q[row] = end.q
-        if end.flange is None and _is_relative(place.motion, hir.PoseDelta):
+        if end.flange is None and _is_relative_line(place.motion):
             end = _End(flange_poses(judged.robot.chain, q[row : row + 1])[0], end.q)
         if end.flange is not None:
             flange[row], known[row] = end.flange, True
         ends.append(_programmed_end(judged, place, q[row], flange[row]))
     flange[~known] = flange_poses(judged.robot.chain, q[~known])
-    return Starts(q, flange)
+    return Starts(q, flange, chosen)
 
 
-def _is_relative(motion: hir.Motion, kind: type) -> bool:
-    """Return True if a motion's goal is of a relative `kind`."""
-    return isinstance(motion, hir.LineMove | hir.JointMove) and isinstance(motion.goal, kind)
+def _is_relative_line(motion: hir.Motion) -> bool:
+    return isinstance(motion, hir.LineMove) and isinstance(motion.goal, hir.PoseDelta)
 
 
 def _before(layout: Layout, program: hir.Program) -> NDArray[np.int64]:
@@ -124,7 +123,9 @@ def _programmed_end(judged: Judged, place: Place, q: Array, flange: Array) -> _E
     if isinstance(last, hir.JointGoal):
         return _End(None, last.q)
     assert isinstance(last, hir.PoseGoal)
-    claimed = None if place.motion.leads_frame else claimed_way(judged, place)
+    # The goals of splines are claimed, and are compared with the program (`check_claims`).
+    is_claimed = isinstance(place.motion, hir.SplineMove | hir.AvoidMove)
+    claimed = claimed_way(judged, place) if is_claimed else None
     end = _flange_at(last.base_from_moving, last.flange_from_moving)
     return _End(end, None if claimed is None else claimed[-1])
 
@@ -148,12 +149,10 @@ def _inverse(pose: bytes) -> Array:
 def _joints(judged: Judged, layout: Layout, row: int, before: int, flange: Array) -> Array:
     """Return the joint positions (n,) at which a motion in joint space begins, after a motion to a pose.
 
-    In a chain, these are the joint positions that the planner claims for the pose. Otherwise they are those
-    of the text. For a relative motion, they are the joint positions at the pose that are nearest to those of
-    the text, so that errors of relative motions don't add up.
+    These are the joint positions that the planner claims for the pose. Without a claim, they are the ones
+    nearest to the text's.
     """
-    place, ahead = layout.places[row], layout.places[before]
-    here: Array = layout.begins[row]
+    ahead = layout.places[before]
     claimed = claimed_joints(judged, ahead, 1)
     if claimed is not None:
         position, angle = distance(flange_poses(judged.robot.chain, claimed)[0], flange)
@@ -166,9 +165,7 @@ def _joints(judged: Judged, layout: Layout, row: int, before: int, flange: Array
             )
         chosen: Array = claimed[0]
         return chosen
-    if place.before is None and not _is_relative(place.motion, hir.JointDelta):
-        return here
-    return _nearest(judged.robot, here, flange)
+    return _nearest(judged.robot, layout.begins[row], flange)
 
 
 def _nearest(robot: Robot, here: Array, flange: Array) -> Array:

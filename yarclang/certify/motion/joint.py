@@ -47,10 +47,10 @@ def straight_deviations(
     The control points are S + s_i D + r_i, with the start S, the vector D to the goal, and residuals r_i.
     Every point of the motion is a convex combination of control points. At any instant it is therefore the
     point S + s D of the line, with s a combination of the s_i, plus a combination of the r_i, which is at
-    most max |r_i|. The s_i are clipped to [0, 1], never decrease and end with 1, and a spline with growing
-    control points grows. The bound is therefore one of the Frechet distance: it compares motion and line in
-    order of time, and covers the whole line. If a motion flows into the next one, the bound is valid for the
-    part of the line between the first and the last s.
+    most max |r_i|. The s_i are clipped to [0, 1], begin with 0, never decrease and end with 1, and a spline
+    with growing control points grows. The bound is therefore one of the Frechet distance: it compares motion
+    and line in order of time, and covers the whole line. If a motion flows into the next one, the bound is
+    valid for the part of the line between the first and the last s.
 
     Args:
         control: (G, n) control points of C commands, one command after the other [rad or m].
@@ -73,6 +73,7 @@ def straight_deviations(
     norm[norm == 0.0] = np.inf
     s = np.einsum("ni,ni->n", (control - start[owner]) * weights, way[owner]) / norm[owner]
     s = np.clip(s, 0.0, 1.0)
+    s[first[~free[:, 0]]] = 0.0
     s[last[~free[:, 1]]] = 1.0
     # Replace each s_i by the largest so far, so that the motion follows the line in order; the residuals are
     # measured from these points of the line.

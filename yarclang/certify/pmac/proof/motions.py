@@ -66,6 +66,7 @@ class Motions:
         self._judged, self._layout, self._firsts = judged, layout, firsts
         starts = find_starts(judged, layout, program)
         self._flows = find_flows(judged, layout, starts)
+        self._chosen = starts.chosen
         self._begins = [Begin(q, flange) for q, flange in zip(starts.q, starts.flange, strict=True)]
         self.told: dict[int, dict[str, Any]] = {}
         self.proofs: dict[str, Any] = {}
@@ -88,6 +89,8 @@ class Motions:
         if isinstance(proof, str):
             entry["unchecked"] = proof
         elif proof is not None:
+            if self._chosen[row]:
+                proof["start"] = (begin.q / judged.robot.axis_units).tolist()
             if place.motion.timing.ceiling is not None:
                 proof["speeds"] = _PIECES_OF_CEILING
             self.proofs[str(place.step)] = proof
@@ -163,16 +166,14 @@ class Motions:
         return Own(flows.cubics(layout, row).take(rows), ends, told)
 
     def _add_corner(self, corner: Corner) -> None:
-        """Add to the data of two motions the joint positions of the corner between them, and the number of
-        pieces into which the blend's segments are cut.
+        """Add to the data of a motion the number of pieces into which the segments of the blend after it are
+        cut.
         """
         layout, judged = self._layout, self._judged
         first, second = (layout.places[row] for row in (corner.first, corner.second))
-        proof, other = (self.proofs.get(str(place.step)) for place in (first, second))
-        if proof is None or other is None:
+        proof = self.proofs.get(str(first.step))
+        if proof is None or str(second.step) not in self.proofs:
             return
-        if isinstance(second.motion, hir.JointMove | hir.SplineMove | hir.AvoidMove) and not corner.joints:
-            other["start"] = (self._begins[corner.second].q / judged.robot.axis_units).tolist()
         if not corner.rounded:
             return
         begin, end = int(self._flows.follow[corner.first, 1]), int(self._flows.follow[corner.second, 0])

@@ -8,6 +8,7 @@ import pytest
 from runtime.virtual import moved_along, prepared, well_behaved, world_of
 
 from yarclang.pmac.variables import OUTPUTS_PLC
+from yarclang.runtime.notices import Hold, Resume, Stop
 from yarclang.runtime.pmac.loading import Loading, capacity_of, loading_of
 from yarclang.runtime.pmac.performance import perform
 
@@ -147,3 +148,73 @@ def test_a_program_with_safe_values_enables_their_plc_again():
     run(world, job)
     switched = [line for line in world.asked if line.endswith(f"ABLE PLC {OUTPUTS_PLC}")]
     assert switched == [f"DISABLE PLC {OUTPUTS_PLC}", f"ENABLE PLC {OUTPUTS_PLC}"]
+
+
+LAMP = (
+    "OUTPUT A M20 OFF\nDEFAULT (deg,s)\nP0010 MOVEJ 10 0 0 0 0 0 [1.2]\nP0015 SET A ON\n"
+    "P0020 MOVEJ 20 0 0 0 0 0 [4]\nP0030 SET A OFF\n"
+)
+
+
+class DeadError(Exception):
+    """This computer has failed."""
+
+
+@pytest.mark.parametrize("tm", [4, 10, 50])
+@pytest.mark.parametrize("at", [2.0, 5.0, 5.15])
+def test_outputs_are_safe_after_this_computer_has_failed(tm, at):
+    """The watchdog or the guard holds, and PLC 28 sets the outputs."""
+    job, _ = prepared(LAMP, tm=tm)
+    world = world_of(job)
+    world.say("M20->*")
+
+    def fail():
+        raise DeadError
+
+    world.do(fail, at)
+    with pytest.raises(DeadError):
+        world.perform(perform(world.operation, job))
+    world.machine.advance(8)
+    assert world.say("M20") == ("0",)
+    assert not world.moving
+
+
+@pytest.mark.parametrize("stall", [2.0, 5.0])
+def test_outputs_are_restored_after_a_hold_by_the_watchdog(stall):
+    """This computer was suspended: the outputs got their safe values, and have those of the program again."""
+    job, plan = prepared(LAMP, tm=10)
+    world = world_of(job, record=True)
+    world.say("M20->*")
+    since, seen = world.now, []
+    world.stall_at = [(since + stall, 1.5)]
+    world.do(lambda: seen.append(world.say("M20")), stall + 3.5)
+    run(world, job)
+    assert "received nothing from this computer" in world.words
+    assert moved_along(world, job, plan, since) < 1.0
+    if stall == 2.0:
+        assert seen == [("1",)]
+
+
+@pytest.mark.parametrize("place", ["3.10", "3.42", "3.46", "3.49"])
+def test_the_end_is_not_reached_before_its_time(place):
+    """The lines that disarm the guard leave the buffer with the last move, while the robot still moves."""
+    job, _ = prepared(
+        "DEFAULT (deg,s)\nP0010 MOVEJ 10 0 0 0 0 0 [1.5]\nP0020 MOVEJ 20 0 0 0 0 0 [2]\n", tm=50
+    )
+    world = world_of(job)
+    world.order(Stop(), float(place))
+    ended = world.perform(perform(world.operation, job))
+    assert ended.done <= float(place) + 0.06
+    assert ended.done >= float(place) - 0.2
+
+
+def test_an_answer_from_before_a_pause_tells_the_pace_of_then():
+    """This computer pauses while the override still rises after a resume."""
+    job, _ = prepared("DEFAULT (deg,s)\nP0010 MOVEJ 20 0 0 0 0 0 [3]\nP0020 MOVEJ 0 0 0 0 0 0 [1.5]\n", tm=10)
+    for seed in range(0, 40, 2):
+        world = world_of(job, delay=0.03, seed=seed)
+        world.order(Hold(), 1.6)
+        world.order(Resume(), 2.2)
+        world.stall_at = [(world.now + 2.45 + 0.01 * seed, 0.6)]
+        assert world.perform(perform(world.operation, job), within=30).well, seed
+        assert "another client" not in world.words, seed

@@ -9,7 +9,7 @@ import pytest
 from programs import compiled
 from simulator.machines import feed, lines_of, robot_machine, say
 
-from yarclang.pmac.variables import ARMED
+from yarclang.pmac.variables import ARMED, DISARMS
 from yarclang.robot.actuation import from_counts, to_counts
 from yarclang.simulator.programs import plcs
 
@@ -79,3 +79,36 @@ def test_the_host_fails_when_only_a_few_lines_are_missing(monkeypatch, slow):
         held.append(say(machine, ARMED) == ("2",))
     assert not held[0]
     assert held[-1]
+
+
+LAMP = (
+    "OUTPUT A M20 OFF\nDEFAULT (deg,s)\nP0010 MOVEJ 10 0 0 0 0 0 [1.2]\nP0015 SET A ON\n"
+    "P0020 MOVEJ 20 0 0 0 0 0 [1.5]\nP0030 SET A OFF\n"
+)
+
+
+@pytest.mark.parametrize("scan", [0.005, 0.02, 0.1])
+def test_outputs_are_safe_after_a_hold_near_the_end(monkeypatch, scan):
+    """While the robot brakes, the program reaches lines that disarm the guard: they leave the flag at 2, so
+    that PLC 28 sees it even if it runs seldom.
+    """
+    monkeypatch.setattr(plcs, "SCAN", scan)
+    value, _ = compiled(LAMP, tm=10)
+    lines = lines_of(value.text)[:-1]
+    count = lines.count(DISARMS)
+    last = lines.index(DISARMS)
+    held = 0
+    for missing in range(1, count, 2):
+        _, machine = robot_machine("INDUSTRIAL6")
+        say(machine, "M20->*", "M20=0")
+        feed(machine, lines[: last + count - missing], keep=int(mark(value.text, "I17")) + 5, step=0.02)
+        machine.advance(6)
+        if say(machine, "&1%") == ("0",):
+            held += 1
+            assert say(machine, ARMED) == ("2",), missing
+            assert say(machine, "M20") == ("0",), missing
+    assert held > 3
+
+
+def mark(text, name):
+    return re.search(rf"(?m)^{name}=(\d+)$", text)[1]

@@ -66,9 +66,8 @@ FORGERIES = {
     "another name": lambda text: replaced(text, "^; command 1 P0020", "; command 1 P0021"),
     "a jerk without limit": lambda text: replaced(text, r"^(; command 1 .*)$", r"\1 any-jerk"),
     "a blend that isn't there": lambda text: replaced(text, r"^(; command 1 .*)$", r"\1 blend 4"),
-    "safe values": lambda text: text.replace(
-        "IF(P8100=2 OR P8104=2)\nM20=0\n", "IF(P8100=2 OR P8104=2)\nM20=1\n"
-    ),
+    "safe values": lambda text: text.replace("P8104=2)\nM20=0\n", "P8104=2)\nM20=1\n"),
+    "no safe values after the watchdog's hold": lambda text: text.replace(" OR P8104=2)", ")"),
 }
 
 

@@ -266,8 +266,8 @@ class Supervision:
         self.slews(0.0)
 
     def unwatch(self) -> Script[None]:
-        """Let the controller not watch this computer until `begin`. Else PLC 28 would set outputs to their safe
-        values again while they are being restored.
+        """Let the controller not watch this computer until `begin`. Else PLC 28 would set outputs to their
+        safe values again while they are being restored.
         """
         yield from self.operation.ask(f"{WATCHED}=0")
         self._watching = False

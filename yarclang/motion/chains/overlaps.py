@@ -131,7 +131,8 @@ class Overlaps:
         if not self._loosest(place).are_kept(around, self.segment):
             return False
         if corner.is_tangent:
-            return self._on_both(first, second, points, overlap, self.links[place].tolerance)
+            own = self.links[place].tolerance, self.links[place + 1].tolerance
+            return self._on_both(first, second, points, overlap, own)
         return not is_framed or self._in_ball(first, second, corner, overlap)
 
     def excess(self, first: Part, second: Part, place: int, overlap: int) -> float:
@@ -186,9 +187,11 @@ class Overlaps:
         inner = both(self.chain, first.path, second.path, corner, done, begun)
         return bool(corner.farthest(self.chain, inner).max(initial=0.0) <= _WITHIN)
 
-    def _on_both(self, first: Part, second: Part, points: Array, overlap: int, tolerance: Tolerance) -> bool:
-        """Return True if the curve follows one of two tangent paths during their overlap. It is checked in
-        the middle of each segment.
+    def _on_both(
+        self, first: Part, second: Part, points: Array, overlap: int, tolerances: tuple[Tolerance, Tolerance]
+    ) -> bool:
+        """Return True if the curve follows one of two tangent paths during their overlap, each within its own
+        tolerance. It is checked in the middle of each segment.
         """
         begin = first.segments - overlap
         q = middle_values(points[begin : begin + overlap + 3])
@@ -197,9 +200,9 @@ class Overlaps:
         lengths = way_length(first.path), way_length(second.path)
         # Add the distances along both paths; the second path begins at lengths[0].
         gone = done * lengths[0] + begun * lengths[1]
-        for path, here, s in (
-            (first.path, gone <= lengths[0], gone / lengths[0]),
-            (second.path, gone > lengths[0], (gone - lengths[0]) / lengths[1]),
+        for path, here, s, tolerance in (
+            (first.path, gone <= lengths[0], gone / lengths[0], tolerances[0]),
+            (second.path, gone > lengths[0], (gone - lengths[0]) / lengths[1], tolerances[1]),
         ):
             if here.any():
                 position, angle = path.deviation(q[here], np.clip(s[here], 0.0, 1.0))

@@ -163,7 +163,8 @@ def _verify(text: bytes, proof: dict[str, Any], verdict: Verdict) -> None:
             verdict.told.append(f"after {motion}: {deed}")
     low, full, words = content.marks
     verdict.told.append(f"guard: I16 {low} lines, I17 {full} lines, a buffer of {words} words")
-    _check_motions(rows, program, proof, arm, verdict)
+    barriers = {step for _, step, _ in content.barriers.values()}
+    _check_motions(rows, barriers, program, proof, arm, verdict)
     _list_later(content.registers, verdict)
     _check_bodies(rows, done, proof, arm, content.registers, verdict)
     _list_allowed(content.registers, proof["cell"]["bodies"], rows, verdict)
@@ -280,9 +281,14 @@ def _check_stands(start: tuple[int, ...], robot: dict[str, Any]) -> None:
 
 
 def _check_motions(
-    rows: list[Moved], program: dict[str, Any], proof: dict[str, Any], arm: Arm, verdict: Verdict
+    rows: list[Moved],
+    barriers: set[int],
+    program: dict[str, Any],
+    proof: dict[str, Any],
+    arm: Arm,
+    verdict: Verdict,
 ) -> None:
-    """Check each motion against its description in the proof."""
+    """Check each motion against its description in the proof; `barriers` are the commands that are none."""
     for row, told in zip(rows, program["steps"], strict=True):
         title = row.entry.title
         _tell(title, told, verdict)
@@ -294,7 +300,8 @@ def _check_motions(
         need(bool(known), f"{title}: a motion of a kind that isn't known")
         if strange:
             told["unchecked"] = f"all of it, since this checker doesn't know its {strange}"
-        is_motion = re.match("D?MOVE", title.split(" ")[1]) is not None
+        # A barrier after a search has the name of the search's motion.
+        is_motion = title.split(" ")[1].startswith(("MOVE", "DMOVE")) and row.entry.step not in barriers
         need(is_motion == ("move" in told), f"{title}: the proof tells a motion as none, or none as a motion")
         if "move" not in told:
             need(not row.control, f"{title}: the map gives moves to a command that is no motion")

@@ -110,12 +110,17 @@ class Feed:
         return self._then - self._asked_then
 
     @property
+    def taken(self) -> int:
+        """Return the number of lines that had left the buffer when `PR` was answered last."""
+        return self._sent_then - self._ahead
+
+    @property
     def executed(self) -> int:
         """Return the number of lines that had been executed when `PR` was answered last. The two moves that
         the controller calculates ahead don't count. The lines that disarm the guard leave the buffer together
         with the last move, and so does the dwell after them at which the robot comes to rest.
         """
-        taken = self._sent_then - self._ahead
+        taken = self.taken
         if self._guarded and int(self._moves[-1]) < taken <= self._guarded + 1:
             return int(self._moves[-AHEAD:][0])
         return max(0, taken - AHEAD)

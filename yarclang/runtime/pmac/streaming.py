@@ -15,7 +15,6 @@ from yarclang.runtime.actions import Found, Script, Stopped, Trouble, Wait
 from yarclang.runtime.job import Job, JobCommand
 from yarclang.runtime.notices import Abort, Fail, Hold, Override, Progress, Resume, Stop
 from yarclang.runtime.operation import UNATTENDED, URGENT, Interrupted
-from yarclang.runtime.pmac.feed import AHEAD
 from yarclang.runtime.pmac.holding import Holding
 from yarclang.runtime.pmac.operation import Operation, Refused
 from yarclang.runtime.pmac.rest import away_from_start, come_to_rest, leave, stands_at
@@ -118,7 +117,7 @@ class Stream:
         executed = self._taken
         begins = job.time_of(executed)
         # a line after a dwell isn't executed before the dwell is over
-        place = int(np.searchsorted(self._dwells, executed + AHEAD)) - 1
+        place = int(np.searchsorted(self._dwells, self.feed.taken)) - 1
         if not self.begun or place < 0 or self._dwells[place] < executed:
             return begins
         row, seconds = job.dwells[place]

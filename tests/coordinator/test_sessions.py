@@ -29,6 +29,7 @@ from yarclang.coordinator.messages import orders, wants
 from yarclang.coordinator.ownership import NotOwner
 from yarclang.coordinator.serving import ControlSocket
 from yarclang.pmac.requests import Code
+from yarclang.pmac.variables import DISARMS
 from yarclang.robot.actuation import from_counts
 from yarclang.runtime.actions import Trouble
 from yarclang.runtime.pmac import scripts
@@ -368,7 +369,7 @@ class Sessions(RuleBasedStateMachine):
             if code != Code.WRITEBUFFER:
                 continue
             for line in text.strip("\0").split("\0"):
-                assert line in self.known or line in ("P8100=0", "P8104=0", "OPEN ROT", "CLOSE"), line
+                assert line in self.known or line in (DISARMS, "OPEN ROT", "CLOSE"), line
                 streamed |= line in self.known
         self.tally.count("sessions that stream", streamed)
         robot, machine = self.world.robot, self.world.machine

@@ -16,6 +16,7 @@ from pendant.at_robot import pendant
 
 from yarclang.pendant.accounts.roles import Role
 from yarclang.pmac.requests import Code
+from yarclang.pmac.variables import DISARMS
 from yarclang.robot.actuation import from_counts
 
 PROGRAM = "P0010 MOVEJ 20 20 15 0 50 10 [20%] (deg,s)\nP0020 MOVEJ 0 10 10 0 40 0 [20%] (deg,s)\n"
@@ -140,7 +141,7 @@ def test_nothing_moves_that_wasnt_proved(tmp_path_factory, tally, deeds):
     for _, code, text in world.lines:
         if code == Code.WRITEBUFFER:
             for line in text.strip("\0").split("\0"):
-                assert line in known or line in ("P8100=0", "P8104=0", "OPEN ROT", "CLOSE"), line
+                assert line in known or line in (DISARMS, "OPEN ROT", "CLOSE"), line
                 streamed |= line in known
     tally.count("streams", streamed)
     robot, machine = world.robot, world.machine

@@ -113,7 +113,7 @@ class People:
 
 
 @exercises(**{"jogs that move": 0.1, "stops of what moves": 0.02, "streams": 0.3})
-@settings(max_examples=25, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+@settings(max_examples=30, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 @given(deeds=st.lists(DEEDS, min_size=4, max_size=14))
 def test_nothing_moves_that_wasnt_proved(tmp_path_factory, tally, deeds):
     folder = tmp_path_factory.mktemp("pendant")

@@ -198,9 +198,8 @@ def test_ctrl_c_ends_it_at_once_on_one_line(runs):
     interrupted = 0
     for share in np.linspace(0.02, 0.9, 6):
         status = runs.run("chain.yarc", after=share * runs.lasting, by=signal.SIGINT)
-        assert (
-            time.monotonic() - runs.signalled < 1.0 + runs.lasting / 4.0
-        )  # on a busy computer it takes longer
+        # it must not hang; on a computer with other work, the end of a process takes some seconds
+        assert time.monotonic() - runs.signalled < 10.0
         if text.exists():  # the run had already ended
             assert text.read_bytes() == runs.certified
             text.unlink()

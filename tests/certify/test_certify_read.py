@@ -191,6 +191,8 @@ def test_text_of_other_kinds():
     guarded = read(text, CONTROLLER)
     arms = [one.on for one in own_of(guarded).arms]
     assert arms == [True, *[False] * (len(arms) - 1)]
+    older = read(text.replace("P8100=P8100&2", "P8100=0"), CONTROLLER)
+    assert "older texts have P8100=0" in older.reason
     assert isinstance(read(text.replace("TM50\n", "TM50\n; a remark\n", 1), CONTROLLER), Unreadable)
 
 

@@ -79,6 +79,8 @@ def _why_not(content: str) -> str:
     if (found := _ASSIGNMENT.fullmatch(content)) is not None:
         if found[1].startswith("I"):
             return "a program must not assign I-variables after its start"
+        if found[1] == "P8100":
+            return "the guard is armed by P8100=1 and disarmed by P8100=P8100&2 (older texts have P8100=0)"
         return f"{found[1]} may be assigned only at rest, or in the middle of a blend"
     return "no move line, TM, DWELL, P8100 or CLOSE" + why_worse(content)
 
